@@ -1,0 +1,7 @@
+//! Triangles, boxes and meshes.
+
+mod aabb;
+mod mesh;
+
+pub use aabb::Aabb;
+pub use mesh::{Mesh, Triangle};

@@ -1,0 +1,7 @@
+//! Batches of rays and the hits found for them.
+
+mod batch;
+mod hits;
+
+pub use batch::{Batch, Ray};
+pub use hits::{Hits, MISS};
