@@ -1,5 +1,6 @@
 //! Batches of rays and the hits found for them.
 
+pub(crate) mod active;
 mod batch;
 mod hits;
 

@@ -1,0 +1,155 @@
+//! Binning and partitioning of triangles (Nabata 2013, section 4.1, after Wald 2007): K equal slabs
+//! of the node's box, triangles by the centre of their box.
+
+use crate::geometry::{Aabb, Triangle};
+use glam::Vec3;
+
+/// The most bins that a node may have.
+pub(crate) const MAX_BINS: usize = 256;
+
+/// What divides of a triangle: its box and its number, in one vector of eight. The upper corner is
+/// stored negated, so that one `min` unites two boxes.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+pub(crate) struct Item([f32; 8]);
+
+/// A box in the same layout: lanes 3 and 7 mean nothing.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+pub(crate) struct BinBox([f32; 8]);
+
+impl Item {
+    pub const ZERO: Item = Item([0.0; 8]);
+
+    #[inline(always)]
+    pub fn new(triangle: &Triangle, prim: u32) -> Item {
+        let Aabb { min, max } = triangle.bounds();
+        let number = f32::from_bits(prim);
+        Item([min.x, min.y, min.z, number, -max.x, -max.y, -max.z, 0.0])
+    }
+
+    #[inline(always)]
+    pub fn prim(&self) -> u32 {
+        self.0[3].to_bits()
+    }
+
+    #[inline(always)]
+    pub fn bounds(&self) -> Aabb {
+        BinBox(self.0).bounds()
+    }
+}
+
+impl BinBox {
+    pub const EMPTY: BinBox = BinBox([f32::INFINITY; 8]);
+
+    #[inline(always)]
+    pub fn union(&mut self, other: &[f32; 8]) {
+        for (a, &b) in self.0.iter_mut().zip(other) {
+            *a = if b < *a { b } else { *a };
+        }
+    }
+
+    #[inline(always)]
+    pub fn add(&mut self, item: &Item) {
+        self.union(&item.0);
+    }
+
+    #[inline(always)]
+    pub fn merged(mut self, other: &BinBox) -> BinBox {
+        self.union(&other.0);
+        self
+    }
+
+    #[inline(always)]
+    pub fn bounds(&self) -> Aabb {
+        let b = &self.0;
+        Aabb {
+            min: Vec3::new(b[0], b[1], b[2]),
+            max: Vec3::new(-b[4], -b[5], -b[6]),
+        }
+    }
+}
+
+/// K equal slabs of a box along one axis.
+#[derive(Clone, Copy)]
+pub(crate) struct Binning {
+    pub axis: usize,
+    /// Twice the lower plane of the box.
+    base: f32,
+    /// Bins per doubled length.
+    scale: f32,
+    last: f32,
+}
+
+impl Binning {
+    /// `bins` from 2 to [`MAX_BINS`].
+    pub fn new(node: &Aabb, axis: usize, bins: usize) -> Binning {
+        let (lo, hi) = (node.min[axis], node.max[axis]);
+        Binning {
+            axis,
+            base: 2.0 * lo,
+            scale: bins as f32 / (2.0 * (hi - lo)),
+            last: (bins - 1) as f32,
+        }
+    }
+
+    #[inline(always)]
+    fn bin(&self, item: &Item) -> usize {
+        let doubled_center = item.0[self.axis] - item.0[self.axis + 4];
+        let x = (doubled_center - self.base) * self.scale;
+        // NaN (a box without extent) falls into the last bin.
+        let x = if x < self.last { x } else { self.last };
+        let x = if x > 0.0 { x } else { 0.0 };
+        // SAFETY: 0 <= x <= MAX_BINS - 1.
+        unsafe { x.to_int_unchecked::<i32>() as usize }
+    }
+}
+
+/// Adds every item to its bin.
+#[inline(always)]
+pub(crate) fn bin(items: &[Item], binning: &Binning, boxes: &mut [BinBox], counts: &mut [u32]) {
+    assert!(boxes.len() >= MAX_BINS && counts.len() >= MAX_BINS);
+    for item in items {
+        let i = binning.bin(item);
+        // SAFETY: a bin is below MAX_BINS.
+        unsafe {
+            boxes.get_unchecked_mut(i).add(item);
+            *counts.get_unchecked_mut(i) += 1;
+        }
+    }
+}
+
+/// Moves the items of bins up to `last_left` to the front, both sides in their old order; returns
+/// how many there are.
+#[inline(always)]
+pub(crate) fn partition(
+    items: &mut [Item],
+    scratch: &mut [Item],
+    binning: &Binning,
+    last_left: usize,
+) -> usize {
+    assert!(scratch.len() >= items.len());
+    let (mut left, mut right) = (0, 0);
+    for i in 0..items.len() {
+        let item = items[i];
+        let goes_right = (binning.bin(&item) > last_left) as usize;
+        // Both sides are written and one pointer moves, so there is no branch to mispredict.
+        // SAFETY: left <= i and right <= i, and both slices are longer than i.
+        unsafe {
+            *items.get_unchecked_mut(left) = item;
+            *scratch.get_unchecked_mut(right) = item;
+        }
+        left += 1 - goes_right;
+        right += goes_right;
+    }
+    items[left..].copy_from_slice(&scratch[..right]);
+    left
+}
+
+/// The box around items.
+#[inline(always)]
+pub(crate) fn unite(items: &[Item]) -> BinBox {
+    let mut bounds = BinBox::EMPTY;
+    items.iter().for_each(|item| bounds.add(item));
+    bounds
+}

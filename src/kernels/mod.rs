@@ -1,0 +1,56 @@
+//! The inner loops, each written once over [`Lanes`](crate::simd::Lanes) and instantiated for
+//! every instruction set by the thin shells of [`Kernels`].
+
+mod bins;
+mod filter;
+mod naive;
+mod prepare;
+mod sample;
+mod shells;
+mod slab;
+mod triangle;
+
+pub(crate) use bins::{BinBox, Binning, Item, MAX_BINS};
+pub(crate) use filter::{BLOCK, Keep};
+pub(crate) use sample::{Candidate, SampleCounts, Samples, first_enters_left};
+pub(crate) use shells::{Draw, Kernels};
+pub use slab::PADDING;
+
+use crate::rays::active::Streams;
+use glam::Vec3;
+
+/// The rays of one trace as the kernels see them.
+///
+/// All pointers are good for the whole trace: `direction`, `tmin`, `t` and `prim` for every ray id
+/// in a list, `active` and `scratch` for the lists of [`crate::rays::active`].
+#[derive(Clone, Copy)]
+pub(crate) struct Rays {
+    /// Where the lists of active rays live.
+    pub active: Streams,
+    /// Room for the rejected rays of one list.
+    pub scratch: Streams,
+    /// Directions by ray id.
+    pub direction: [*const f32; 3],
+    /// Lower ends of the intervals by ray id.
+    pub tmin: *const f32,
+    /// Best t so far by ray id; at first `tmax`, and −1 for an occluded any-hit ray.
+    pub t: *mut f32,
+    /// Best triangle so far by ray id; unused for any-hit rays.
+    pub prim: *mut u32,
+    /// The origin, if the batch has only one.
+    pub shared_origin: Option<Vec3>,
+    /// Whether some ray has an axis on which 1/d is not finite (stored as NaN).
+    pub special: bool,
+    /// The least `tmin` of all valid rays: the lower end of every node test.
+    pub least_tmin: f32,
+    /// Whether any hit will do.
+    pub any_hit: bool,
+}
+
+/// A list of active rays: a range of the streams. Starts are multiples of
+/// [`MAX_LANES`](crate::simd::MAX_LANES).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct List {
+    pub start: usize,
+    pub len: usize,
+}

@@ -1,0 +1,97 @@
+//! The naive step: every active ray against every triangle of the subproblem.
+
+use super::triangle::Prepared;
+use super::{Item, List, Rays};
+use crate::geometry::Triangle;
+use crate::simd::Lanes;
+
+/// Triangles whose constants are held ready at a time.
+const CHUNK: usize = 16;
+
+/// Intersects a list of rays with triangles and keeps the least (t, prim) of each ray; an any-hit
+/// ray that hits gets t = −1, which ends every later test.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; `rays` keeps its promises; `list` is a list of it; the
+/// items are of `triangles`.
+#[inline(always)]
+pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
+    rays: &Rays,
+    list: List,
+    triangles: &[Triangle],
+    items: &[Item],
+) {
+    let mut chunk = [Prepared::ZERO; CHUNK];
+    for items in items.chunks(CHUNK) {
+        for (prepared, item) in chunk.iter_mut().zip(items) {
+            let triangle = &triangles[item.prim() as usize];
+            *prepared = Prepared::new(triangle, item, rays.shared_origin);
+        }
+        let chunk = &chunk[..items.len()];
+        for i in (0..list.len).step_by(L::N) {
+            let (at, left) = (list.start + i, list.len - i);
+            // SAFETY: whole vectors within the streams, as in `filter`; ids are those of rays of
+            // the batch where `active` is set.
+            unsafe {
+                let s = &rays.active;
+                let active = L::first(left);
+                let id = L::load_u(s.id.add(at));
+                let load3 = |p: &[*mut f32; 3]| [0, 1, 2].map(|axis| L::load(p[axis].add(at)));
+                let inverse = load3(&s.inverse);
+                let origin = if SHARED { inverse } else { load3(&s.origin) };
+                let direction = rays.direction.map(|p| L::gather(p, id, active));
+                let mut t = L::gather(rays.t, id, active);
+                let mut prim = None;
+                let mut changed = L::first(0);
+                let tmin = |mask| L::gather(rays.tmin, id, mask);
+                for triangle in chunk {
+                    let (mut hit, t_hit) = triangle.intersect::<L, SHARED, SPECIAL>(
+                        &origin,
+                        &direction,
+                        &inverse,
+                        rays.shared_origin,
+                        tmin,
+                        t,
+                        active,
+                    );
+                    if L::bits(hit) == 0 {
+                        continue;
+                    }
+                    if ANY {
+                        t = L::select(hit, L::splat(-1.0), t);
+                    } else {
+                        // Of equal t the lowest prim wins; at t = tmax that is a miss's.
+                        let known = match prim {
+                            Some(known) => known,
+                            None => L::gather_u(rays.prim, id, active),
+                        };
+                        let new = L::splat_u(triangle.prim);
+                        let tie = L::and(L::eq(t_hit, t), L::lt_u(new, known));
+                        hit = L::and(hit, L::or(L::lt(t_hit, t), tie));
+                        t = L::select(hit, t_hit, t);
+                        prim = Some(L::select_u(hit, new, known));
+                    }
+                    changed = L::or(changed, hit);
+                }
+                let mut bits = L::bits(changed);
+                if bits != 0 {
+                    let mut lane_t = [0f32; crate::simd::MAX_LANES];
+                    let mut lane_prim = [0u32; crate::simd::MAX_LANES];
+                    L::store(lane_t.as_mut_ptr(), t);
+                    if let Some(prim) = prim {
+                        L::store_u(lane_prim.as_mut_ptr(), prim);
+                    }
+                    while bits != 0 {
+                        let lane = bits.trailing_zeros() as usize;
+                        bits &= bits - 1;
+                        let ray = *s.id.add(at + lane) as usize;
+                        *rays.t.add(ray) = lane_t[lane];
+                        if !ANY {
+                            *rays.prim.add(ray) = lane_prim[lane];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

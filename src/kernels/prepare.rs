@@ -1,0 +1,170 @@
+//! The first pass over rays and triangles: validity, inverse directions, boxes.
+
+use super::{Item, Rays, bins::BinBox};
+use crate::geometry::{Mesh, Triangle};
+use crate::rays::Batch;
+use crate::simd::Lanes;
+use glam::{DVec3, Vec3};
+
+/// What the pass over the rays found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PreparedRays {
+    /// Number of valid rays: the length of the root list.
+    pub valid: usize,
+    /// Whether a valid ray has an axis on which 1/d is not finite.
+    pub special: bool,
+    /// The least tmin of the valid rays.
+    pub least_tmin: f32,
+}
+
+/// Lanes of valid rays among the `left` rays from `at` on; see [`crate::Ray::is_valid`].
+///
+/// # Safety
+/// As for [`prepare_rays`].
+#[inline(always)]
+unsafe fn valid<L: Lanes>(
+    origin: &[L::F; 3],
+    direction: &[L::F; 3],
+    tmin: L::F,
+    tmax: L::F,
+) -> L::M {
+    // SAFETY: as promised. NaN fails every comparison.
+    unsafe {
+        let (zero, infinity) = (L::splat(0.0), L::splat(f32::INFINITY));
+        let mut nonzero = L::lt(zero, zero);
+        let mut valid = L::and(L::le(zero, tmin), L::lt(tmin, tmax));
+        for axis in 0..3 {
+            let d = L::abs(direction[axis]);
+            nonzero = L::or(nonzero, L::lt(zero, d));
+            valid = L::and(valid, L::lt(d, infinity));
+            valid = L::and(valid, L::lt(L::abs(origin[axis]), infinity));
+        }
+        L::and(valid, nonzero)
+    }
+}
+
+/// Up to `L::N` floats from place `at` of a slice, zeros behind its end.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; `at` is within the slice.
+#[inline(always)]
+unsafe fn load<L: Lanes>(from: &[f32], at: usize) -> L::F {
+    // SAFETY: the whole vector is within the slice, or a copy of its end is read.
+    unsafe {
+        if at + L::N <= from.len() {
+            L::load(from.as_ptr().add(at))
+        } else {
+            let mut end = [0f32; crate::simd::MAX_LANES];
+            end[..from.len() - at].copy_from_slice(&from[at..]);
+            L::load(end.as_ptr())
+        }
+    }
+}
+
+/// The origin that all valid rays share to the bit; see [`Batch::shared_origin`].
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(crate) unsafe fn shared_origin<L: Lanes>(batch: &Batch) -> Option<Vec3> {
+    let first = batch.iter().find(|ray| ray.is_valid())?.origin;
+    // SAFETY: as promised; whole vectors of bits are compared where the batch has them.
+    unsafe {
+        let bits = first.to_array().map(|x| L::splat_u(x.to_bits()));
+        for at in (0..batch.len()).step_by(L::N) {
+            let load = |v: &Vec<f32>| load::<L>(v, at);
+            let origin = [0, 1, 2].map(|axis| load(&batch.origin[axis]));
+            let mut same = L::first(batch.len() - at);
+            let all = same;
+            for axis in 0..3 {
+                let mut lanes = [0f32; crate::simd::MAX_LANES];
+                L::store(lanes.as_mut_ptr(), origin[axis]);
+                same = L::and(same, L::eq_u(L::load_u(lanes.as_ptr().cast()), bits[axis]));
+            }
+            if L::bits(same) != L::bits(all) {
+                let direction = [0, 1, 2].map(|axis| load(&batch.direction[axis]));
+                let valid = valid::<L>(&origin, &direction, load(&batch.tmin), load(&batch.tmax));
+                if L::bits(L::and(valid, L::and_not(all, same))) != 0 {
+                    return None;
+                }
+            }
+        }
+    }
+    Some(first)
+}
+
+/// Writes the root list of all valid rays, and for each ray the best hit so far: its tmax. Invalid
+/// rays get into no list.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; `rays` has room for the batch and a whole vector.
+#[inline(always)]
+pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> PreparedRays {
+    let shared = rays.shared_origin.is_some();
+    let s = &rays.active;
+    // SAFETY: list places never pass ray places, and the streams have room behind the last ray; t
+    // is written for the rays that there are.
+    unsafe {
+        let one = L::splat(1.0);
+        let nan = L::splat(f32::NAN);
+        let infinity = L::splat(f32::INFINITY);
+        let mut least_tmin = infinity;
+        let mut special = L::first(0);
+        let mut n = 0;
+        for at in (0..batch.len()).step_by(L::N) {
+            let left = batch.len() - at;
+            let load = |v: &Vec<f32>| load::<L>(v, at);
+            let origin = [0, 1, 2].map(|axis| load(&batch.origin[axis]));
+            let direction = [0, 1, 2].map(|axis| load(&batch.direction[axis]));
+            let (tmin, tmax) = (load(&batch.tmin), load(&batch.tmax));
+            let valid = L::and(valid::<L>(&origin, &direction, tmin, tmax), L::first(left));
+            least_tmin = L::select(valid, L::min(tmin, least_tmin), least_tmin);
+            for axis in 0..3 {
+                let inverse = L::div(one, direction[axis]);
+                let finite = L::lt(L::abs(inverse), infinity);
+                special = L::or(special, L::and_not(valid, finite));
+                let inverse = L::select(finite, inverse, nan);
+                L::store(s.inverse[axis].add(n), L::compress(valid, inverse));
+                if !shared {
+                    L::store(s.origin[axis].add(n), L::compress(valid, origin[axis]));
+                }
+            }
+            L::store_u(s.id.add(n), L::compress_u(valid, L::count_from(at as u32)));
+            L::store_first(rays.t.add(at), tmax, left.min(L::N));
+            n += L::bits(valid).count_ones() as usize;
+        }
+        let mut lanes = [f32::INFINITY; crate::simd::MAX_LANES];
+        L::store(lanes.as_mut_ptr(), least_tmin);
+        PreparedRays {
+            valid: n,
+            special: L::bits(special) != 0,
+            least_tmin: lanes
+                .into_iter()
+                .fold(f32::INFINITY, |a, b| if b < a { b } else { a }),
+        }
+    }
+}
+
+/// Whether a triangle has an area: its cross product, in float64, is not zero.
+#[inline(always)]
+fn has_area(t: &Triangle) -> bool {
+    let wide = |v: Vec3| DVec3::new(v.x as f64, v.y as f64, v.z as f64);
+    let (a, b, c) = (wide(t.a), wide(t.b), wide(t.c));
+    (b - a).cross(c - a) != DVec3::ZERO
+}
+
+/// Writes the items of all triangles that can be hit (valid and with an area), in file order, and
+/// the box around them; returns how many there are.
+#[inline(always)]
+pub(crate) fn prepare_triangles(mesh: &Mesh, items: &mut [Item]) -> (usize, BinBox) {
+    let mut bounds = BinBox::EMPTY;
+    let mut n = 0;
+    for (prim, triangle) in mesh.triangles().iter().enumerate() {
+        if triangle.is_valid() && has_area(triangle) {
+            items[n] = Item::new(triangle, prim as u32);
+            bounds.add(&items[n]);
+            n += 1;
+        }
+    }
+    (n, bounds)
+}

@@ -1,0 +1,202 @@
+//! One instance of every kernel for each instruction set, behind a table of functions.
+
+use super::bins::{self, BinBox, Binning, Item};
+use super::filter::{self, Keep};
+use super::prepare::{self, PreparedRays};
+use super::sample::{Candidate, SampleCounts, Samples};
+use super::{List, Rays, naive};
+use crate::geometry::{Aabb, Mesh, Triangle};
+use crate::rays::Batch;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{Avx2, Avx512};
+use crate::simd::{Isa, Portable};
+use glam::Vec3;
+
+/// How sample rays are drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct Draw {
+    pub count: usize,
+    pub replacement: bool,
+    pub seed: u64,
+    /// Key of the node.
+    pub node: u64,
+}
+
+/// The kernels of one instruction set.
+///
+/// # Safety
+/// Each function may be called only on a processor that has the instruction set, which
+/// [`Kernels::of`] checks, and with arguments that keep the promises of the generic function that
+/// it instantiates.
+pub(crate) struct Kernels {
+    pub shared_origin: unsafe fn(&Batch) -> Option<Vec3>,
+    pub prepare_rays: unsafe fn(&Batch, &Rays) -> PreparedRays,
+    pub prepare_triangles: unsafe fn(&Mesh, &mut [Item]) -> (usize, BinBox),
+    pub bin: unsafe fn(&[Item], &Binning, &mut [BinBox], &mut [u32]),
+    pub partition: unsafe fn(&mut [Item], &mut [Item], &Binning, usize) -> usize,
+    pub unite: unsafe fn(&[Item]) -> BinBox,
+    pub draw_samples: unsafe fn(&mut Samples, &Rays, List, Draw),
+    pub count_samples: unsafe fn(&Samples, &Rays, &[Candidate], &mut [SampleCounts]),
+    pub filter: unsafe fn(&Rays, List, &Aabb, Keep) -> usize,
+    pub count: unsafe fn(&Rays, List, &Aabb, usize) -> (usize, usize),
+    pub naive: unsafe fn(&Rays, List, &[Triangle], &[Item]),
+}
+
+impl Kernels {
+    /// The kernels for an instruction set.
+    ///
+    /// # Panics
+    /// If this processor does not have it.
+    pub fn of(isa: Isa) -> &'static Kernels {
+        assert!(isa.is_available(), "this processor has no {isa}");
+        match isa {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512 => &avx512::KERNELS,
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2 => &avx2::KERNELS,
+            _ => &portable::KERNELS,
+        }
+    }
+}
+
+/// Calls `$kernel::<L, SHARED, SPECIAL>` with what the batch is as constants.
+macro_rules! by_batch {
+    ($rays:expr, |$shared:ident, $special:ident| $call:expr) => {
+        match ($rays.shared_origin.is_some(), $rays.special) {
+            (true, false) => by_batch!(@ true, false, $shared, $special, $call),
+            (true, true) => by_batch!(@ true, true, $shared, $special, $call),
+            (false, false) => by_batch!(@ false, false, $shared, $special, $call),
+            (false, true) => by_batch!(@ false, true, $shared, $special, $call),
+        }
+    };
+    (@ $a:literal, $b:literal, $shared:ident, $special:ident, $call:expr) => {{
+        const $shared: bool = $a;
+        const $special: bool = $b;
+        $call
+    }};
+}
+
+macro_rules! shells {
+    ($isa:ident, $lanes:ty $(, #[$feature:meta])?) => {
+        mod $isa {
+            use super::*;
+
+            pub(super) static KERNELS: Kernels = Kernels {
+                shared_origin,
+                prepare_rays,
+                prepare_triangles,
+                bin,
+                partition,
+                unite,
+                draw_samples,
+                count_samples,
+                filter,
+                count,
+                naive,
+            };
+
+            type L = $lanes;
+
+            $(#[$feature])?
+            unsafe fn shared_origin(batch: &Batch) -> Option<Vec3> {
+                // SAFETY: as `Kernels` promises; so in all that follow.
+                unsafe { prepare::shared_origin::<L>(batch) }
+            }
+
+            $(#[$feature])?
+            unsafe fn prepare_rays(batch: &Batch, rays: &Rays) -> PreparedRays {
+                // SAFETY: as above.
+                unsafe { prepare::prepare_rays::<L>(batch, rays) }
+            }
+
+            $(#[$feature])?
+            unsafe fn prepare_triangles(mesh: &Mesh, items: &mut [Item]) -> (usize, BinBox) {
+                prepare::prepare_triangles(mesh, items)
+            }
+
+            $(#[$feature])?
+            unsafe fn bin(items: &[Item], by: &Binning, boxes: &mut [BinBox], counts: &mut [u32]) {
+                bins::bin(items, by, boxes, counts)
+            }
+
+            $(#[$feature])?
+            unsafe fn partition(
+                items: &mut [Item],
+                scratch: &mut [Item],
+                by: &Binning,
+                last_left: usize,
+            ) -> usize {
+                bins::partition(items, scratch, by, last_left)
+            }
+
+            $(#[$feature])?
+            unsafe fn unite(items: &[Item]) -> BinBox {
+                bins::unite(items)
+            }
+
+            $(#[$feature])?
+            unsafe fn draw_samples(samples: &mut Samples, rays: &Rays, list: List, draw: Draw) {
+                // SAFETY: as above.
+                unsafe { samples.draw::<L>(rays, list, draw) }
+            }
+
+            $(#[$feature])?
+            unsafe fn count_samples(
+                samples: &Samples,
+                rays: &Rays,
+                candidates: &[Candidate],
+                counts: &mut [SampleCounts],
+            ) {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { samples.count::<L, SHARED, SPECIAL>(rays, candidates, counts) }
+                })
+            }
+
+            $(#[$feature])?
+            unsafe fn filter(rays: &Rays, list: List, bounds: &Aabb, keep: Keep) -> usize {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { filter::filter::<L, SHARED, SPECIAL>(rays, list, bounds, keep) }
+                })
+            }
+
+            $(#[$feature])?
+            unsafe fn count(
+                rays: &Rays,
+                list: List,
+                bounds: &Aabb,
+                stride: usize,
+            ) -> (usize, usize) {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { filter::count::<L, SHARED, SPECIAL>(rays, list, bounds, stride) }
+                })
+            }
+
+            $(#[$feature])?
+            unsafe fn naive(rays: &Rays, list: List, triangles: &[Triangle], items: &[Item]) {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe {
+                        if rays.any_hit {
+                            naive::naive::<L, SHARED, SPECIAL, true>(rays, list, triangles, items)
+                        } else {
+                            naive::naive::<L, SHARED, SPECIAL, false>(rays, list, triangles, items)
+                        }
+                    }
+                })
+            }
+        }
+    };
+}
+
+shells!(portable, Portable);
+#[cfg(target_arch = "x86_64")]
+shells!(avx2, Avx2, #[target_feature(enable = "avx2,fma,bmi2,popcnt")]);
+#[cfg(target_arch = "x86_64")]
+shells!(
+    avx512,
+    Avx512,
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi2,popcnt")]
+);

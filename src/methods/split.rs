@@ -1,0 +1,332 @@
+//! How a node is split, and which child goes first.
+
+use super::divide::Divide;
+use super::{Axes, Cost, Draws, OneRay, Order};
+use crate::geometry::Aabb;
+use crate::kernels::{
+    BinBox, Binning, Candidate, Draw, List, MAX_BINS, SampleCounts, first_enters_left,
+};
+use crate::random;
+
+/// From this depth on nodes are halved by number, so that recursion ends at this depth plus the
+/// binary logarithm of the number of triangles, whatever their boxes are like.
+const MAX_DEPTH: u32 = 64;
+
+/// Candidates of three axes.
+const MAX_CANDIDATES: usize = 3 * (MAX_BINS - 1);
+
+/// A subproblem's triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    /// The box around them: V of Algorithm 1.
+    pub bounds: Aabb,
+    /// Range of the items.
+    pub from: usize,
+    pub to: usize,
+    pub depth: u32,
+    /// What its random numbers are keyed by: a hash of the path from the root.
+    pub key: u64,
+}
+
+impl Node {
+    pub fn len(&self) -> usize {
+        self.to - self.from
+    }
+
+    fn child(&self, side: u64, bounds: Aabb, from: usize, to: usize) -> Node {
+        let key = random::hash(self.key, side, 0);
+        Node {
+            bounds,
+            from,
+            to,
+            depth: self.depth + 1,
+            key,
+        }
+    }
+}
+
+/// A child, and the estimate of its intersection ratio if rays were sampled.
+pub(super) struct Child {
+    pub node: Node,
+    pub ratio: Option<f32>,
+}
+
+/// How the items of a candidate are told apart.
+#[derive(Clone, Copy)]
+enum Cut {
+    /// Items of bins up to this one go left.
+    Bins(Binning, usize),
+    /// The first half goes left.
+    Halves,
+}
+
+/// Room for the bins of one axis and all candidates of one node.
+pub(super) struct Candidates {
+    boxes: [BinBox; MAX_BINS],
+    counts: [u32; MAX_BINS],
+    /// `suffix[j]` is the box around bins j and up.
+    suffix: [BinBox; MAX_BINS],
+    pairs: [Candidate; MAX_CANDIDATES],
+    cuts: [(Cut, u32); MAX_CANDIDATES],
+    sampled: [SampleCounts; MAX_CANDIDATES],
+    len: usize,
+}
+
+impl Candidates {
+    pub fn boxed() -> Box<Candidates> {
+        let nothing = Candidate {
+            left: Aabb::EMPTY,
+            right: Aabb::EMPTY,
+        };
+        Box::new(Candidates {
+            boxes: [BinBox::EMPTY; MAX_BINS],
+            counts: [0; MAX_BINS],
+            suffix: [BinBox::EMPTY; MAX_BINS],
+            pairs: [nothing; MAX_CANDIDATES],
+            cuts: [(Cut::Halves, 0); MAX_CANDIDATES],
+            sampled: [SampleCounts::default(); MAX_CANDIDATES],
+            len: 0,
+        })
+    }
+
+    fn push(&mut self, pair: Candidate, cut: Cut, left_count: usize) {
+        self.pairs[self.len] = pair;
+        self.cuts[self.len] = (cut, left_count as u32);
+        self.len += 1;
+    }
+
+    /// The candidates between `bins` filled bins of one axis; those with an empty side are left out,
+    /// and so are repetitions where a bin is empty.
+    fn sweep(&mut self, binning: Binning, bins: usize, items: usize) {
+        let mut right = BinBox::EMPTY;
+        for j in (1..bins).rev() {
+            right = right.merged(&self.boxes[j]);
+            self.suffix[j] = right;
+        }
+        let mut left = BinBox::EMPTY;
+        let mut left_count = 0;
+        for j in 0..bins - 1 {
+            if self.counts[j] == 0 {
+                continue;
+            }
+            left = left.merged(&self.boxes[j]);
+            left_count += self.counts[j] as usize;
+            if left_count == items {
+                break;
+            }
+            let pair = Candidate {
+                left: left.bounds(),
+                right: self.suffix[j + 1].bounds(),
+            };
+            self.push(pair, Cut::Bins(binning, j), left_count);
+        }
+    }
+}
+
+impl Divide<'_> {
+    /// Splits the node's items; the children in traversal order.
+    pub(super) fn split(&mut self, node: &Node, active: List) -> [Child; 2] {
+        let by_cost = self.splits_by_cost(node, active);
+        if by_cost {
+            self.counters.sah_nodes += 1;
+        } else {
+            self.counters.middle_nodes += 1;
+        }
+        self.find_candidates(
+            node,
+            if by_cost {
+                self.parameters.bins as usize
+            } else {
+                2
+            },
+        );
+        let samples = by_cost || self.parameters.sample_middle;
+        let sampled = samples
+            && self.parameters.uses_samples()
+            && active.len > self.parameters.min_rays as usize;
+        if sampled {
+            self.counters.sampled_nodes += 1;
+            self.draw(active, node.key);
+        }
+        let chosen = match self.parameters.cost {
+            Cost::Sampled if sampled => self.least_sampled_cost(node),
+            _ => self.least_area_cost(node),
+        };
+        let pair = self.candidates.pairs[chosen];
+        let counts = sampled.then(|| {
+            if self.parameters.second_sample {
+                self.draw(active, random::hash(node.key, 2, 0));
+                self.count_samples(chosen, chosen + 1);
+            } else if self.parameters.cost == Cost::Sah {
+                self.count_samples(chosen, chosen + 1);
+            }
+            self.candidates.sampled[chosen]
+        });
+
+        let (cut, left_count) = self.candidates.cuts[chosen];
+        let mid = node.from + left_count as usize;
+        if let Cut::Bins(binning, last_left) = cut {
+            let items = &mut self.items[node.from..node.to];
+            // SAFETY: the processor was checked.
+            let n =
+                unsafe { (self.kernels.partition)(items, self.item_scratch, &binning, last_left) };
+            debug_assert_eq!(n, left_count as usize);
+        }
+        let ratio = |n: u32| n as f32 / self.samples.len() as f32;
+        let left = Child {
+            node: node.child(0, pair.left, node.from, mid),
+            ratio: counts.map(|c| ratio(c.left)),
+        };
+        let right = Child {
+            node: node.child(1, pair.right, mid, node.to),
+            ratio: counts.map(|c| ratio(c.right)),
+        };
+        if self.left_goes_first(active, &pair, cut, counts) {
+            [left, right]
+        } else {
+            [right, left]
+        }
+    }
+
+    /// Section 5: whether there are enough rays a triangle for a cost function.
+    fn splits_by_cost(&self, node: &Node, active: List) -> bool {
+        let ratio = match self.parameters.cost {
+            Cost::Sah => self.parameters.sah_ratio,
+            Cost::Sampled => self.parameters.threshold,
+        };
+        active.len as f64 > ratio as f64 * node.len() as f64
+    }
+
+    /// Lines 5 and 6: candidates between equal slabs of the node's box; two slabs are a split in the
+    /// middle. Where no plane separates the triangles, two halves by number.
+    fn find_candidates(&mut self, node: &Node, bins: usize) {
+        self.candidates.len = 0;
+        let items = &self.items[node.from..node.to];
+        let extent = node.bounds.extent();
+        let longest = (0..3).fold(0, |best, axis| {
+            if extent[axis] > extent[best] {
+                axis
+            } else {
+                best
+            }
+        });
+        for axis in 0..3 {
+            let tried = axis == longest || (self.parameters.axes == Axes::All && bins > 2);
+            if !tried || extent[axis] <= 0.0 || node.depth >= MAX_DEPTH {
+                continue;
+            }
+            let binning = Binning::new(&node.bounds, axis, bins);
+            self.counters.binned_triangles += items.len() as u64;
+            let c = &mut *self.candidates;
+            c.boxes[..bins].fill(BinBox::EMPTY);
+            c.counts[..bins].fill(0);
+            // SAFETY: the processor was checked.
+            unsafe { (self.kernels.bin)(items, &binning, &mut c.boxes, &mut c.counts) };
+            c.sweep(binning, bins, items.len());
+        }
+        if self.candidates.len == 0 {
+            let (left, right) = items.split_at(items.len() / 2);
+            // SAFETY: the processor was checked.
+            let unite = |items| unsafe { (self.kernels.unite)(items) }.bounds();
+            let pair = Candidate {
+                left: unite(left),
+                right: unite(right),
+            };
+            self.candidates.push(pair, Cut::Halves, left.len());
+        }
+    }
+
+    /// Eq. 2 (without C_T and C_I, which do not change the choice); the last of equals, as printed.
+    fn least_sampled_cost(&mut self, node: &Node) -> usize {
+        self.count_samples(0, self.candidates.len);
+        let c = &*self.candidates;
+        let cost = |j: usize| {
+            let (sampled, left) = (c.sampled[j], c.cuts[j].1 as u64);
+            sampled.left as u64 * left + sampled.right as u64 * (node.len() as u64 - left)
+        };
+        (1..c.len).fold(0, |best, j| if cost(j) <= cost(best) { j } else { best })
+    }
+
+    /// Eq. 1, the surface area heuristic, likewise.
+    fn least_area_cost(&self, node: &Node) -> usize {
+        let c = &*self.candidates;
+        let cost = |j: usize| {
+            let (pair, left) = (&c.pairs[j], c.cuts[j].1 as usize);
+            pair.left.half_area() * left as f32
+                + pair.right.half_area() * (node.len() - left) as f32
+        };
+        let (mut best, mut least) = (0, f32::INFINITY);
+        for j in 0..c.len {
+            let cost = cost(j);
+            if cost <= least {
+                (best, least) = (j, cost);
+            }
+        }
+        best
+    }
+
+    /// Section 4.1: draws the sample rays of a node.
+    fn draw(&mut self, active: List, key: u64) {
+        let draw = Draw {
+            count: self.parameters.samples as usize,
+            replacement: self.parameters.draws == Draws::Replacement,
+            seed: self.seed,
+            node: key,
+        };
+        // SAFETY: the processor was checked.
+        unsafe { (self.kernels.draw_samples)(self.samples, &self.rays, active, draw) }
+    }
+
+    /// Algorithm 2 for candidates `from..to`.
+    fn count_samples(&mut self, from: usize, to: usize) {
+        self.counters.sample_box += 2 * ((to - from) * self.samples.len()) as u64;
+        let c = &mut *self.candidates;
+        let (pairs, counts) = (&c.pairs[from..to], &mut c.sampled[from..to]);
+        // SAFETY: the processor was checked.
+        unsafe { (self.kernels.count_samples)(self.samples, &self.rays, pairs, counts) }
+    }
+
+    /// Section 4.3, and lines 19 to 25.
+    fn left_goes_first(
+        &self,
+        active: List,
+        pair: &Candidate,
+        cut: Cut,
+        counts: Option<SampleCounts>,
+    ) -> bool {
+        if let (Order::Sampled, Some(counts)) = (self.parameters.order, counts) {
+            return if self.parameters.order_unbiased {
+                counts.left_first >= counts.right_first
+            } else {
+                2 * counts.left_first as usize >= self.samples.len()
+            };
+        }
+        match (self.parameters.one_ray, cut) {
+            (OneRay::AxisSign, Cut::Bins(binning, _)) => {
+                // SAFETY: the list is not empty.
+                let inverse = unsafe { *self.rays.active.inverse[binning.axis].add(active.start) };
+                // NaN, a direction of zero on this axis, goes left first.
+                !(inverse < 0.0)
+            }
+            // SAFETY: the list is not empty.
+            _ => unsafe { first_enters_left(&self.rays, active, pair) },
+        }
+    }
+
+    /// Takes a sampled child's ratio anew, now that its sibling has been traversed.
+    pub(super) fn refresh_ratio(&mut self, child: &mut Child, active: List) {
+        if child.ratio.is_none() {
+            return;
+        }
+        self.draw(active, random::hash(child.node.key, 3, 0));
+        let bounds = child.node.bounds;
+        self.candidates.pairs[0] = Candidate {
+            left: bounds,
+            right: Aabb::EMPTY,
+        };
+        self.count_samples(0, 1);
+        self.counters.sample_box -= self.samples.len() as u64;
+        let kept = self.candidates.sampled[0].left;
+        child.ratio = Some(kept as f32 / self.samples.len() as f32);
+    }
+}

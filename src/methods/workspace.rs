@@ -1,0 +1,62 @@
+//! All memory of a trace, made beforehand.
+
+use super::split::Candidates;
+use crate::kernels::{Item, Samples};
+use crate::rays::active::ActiveRays;
+
+/// Memory for traces of up to a number of rays and triangles; reused from trace to trace.
+///
+/// [`Workspace::bytes`] is 88 a ray + 64 a triangle + a constant of about 1.3 MB (exactly: see
+/// [`Workspace::bytes_for`]). A trace allocates nothing beyond it.
+pub struct Workspace {
+    pub(super) active: ActiveRays,
+    /// Best t so far of any-hit rays.
+    pub(super) t: Vec<f32>,
+    pub(super) items: Vec<Item>,
+    pub(super) item_scratch: Vec<Item>,
+    pub(super) candidates: Box<Candidates>,
+    pub(super) samples: Box<Samples>,
+}
+
+impl Workspace {
+    /// Memory for batches of up to `rays` rays and meshes of up to `triangles` triangles.
+    ///
+    /// # Panics
+    /// If there are 2^31 rays or more.
+    pub fn new(rays: usize, triangles: usize) -> Workspace {
+        assert!(rays < 1 << 31, "a batch has fewer than 2^31 rays");
+        Workspace {
+            active: ActiveRays::new(rays),
+            t: vec![0.0; rays],
+            items: vec![Item::ZERO; triangles],
+            item_scratch: vec![Item::ZERO; triangles],
+            candidates: Candidates::boxed(),
+            samples: Samples::boxed(),
+        }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        Workspace::bytes_for(self.active.rays(), self.items.len())
+    }
+
+    /// Bytes that a workspace for so many rays and triangles takes: linear in both, but for rounding
+    /// the rays up to a multiple of 16.
+    pub fn bytes_for(rays: usize, triangles: usize) -> usize {
+        ActiveRays::bytes(rays)
+            + rays * size_of::<f32>()
+            + 2 * triangles * size_of::<Item>()
+            + size_of::<Candidates>()
+            + size_of::<Samples>()
+    }
+
+    /// Makes room for a larger batch or mesh if it has to.
+    pub fn reserve(&mut self, rays: usize, triangles: usize) {
+        if rays > self.active.rays() || triangles > self.items.len() {
+            *self = Workspace::new(
+                rays.max(self.active.rays()),
+                triangles.max(self.items.len()),
+            );
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Sixteen lanes: AVX-512 F, VL, DQ and BW.
+
+use super::Lanes;
+use std::arch::x86_64::*;
+
+#[derive(Clone, Copy)]
+pub(crate) struct Avx512;
+
+const N: usize = 16;
+
+// SAFETY (whole file): the caller runs on a processor with these instruction sets, and pointers
+// are good for the lanes that the trait's contract names.
+#[allow(clippy::undocumented_unsafe_blocks)]
+impl Lanes for Avx512 {
+    const N: usize = N;
+    type F = __m512;
+    type U = __m512i;
+    type M = __mmask16;
+
+    #[inline(always)]
+    unsafe fn splat(x: f32) -> __m512 {
+        unsafe { _mm512_set1_ps(x) }
+    }
+    #[inline(always)]
+    unsafe fn load(p: *const f32) -> __m512 {
+        unsafe { _mm512_loadu_ps(p) }
+    }
+    #[inline(always)]
+    unsafe fn store(p: *mut f32, v: __m512) {
+        unsafe { _mm512_storeu_ps(p, v) }
+    }
+    #[inline(always)]
+    unsafe fn store_first(p: *mut f32, v: __m512, n: usize) {
+        unsafe { _mm512_mask_storeu_ps(p, Self::first(n), v) }
+    }
+    #[inline(always)]
+    unsafe fn gather(base: *const f32, index: __m512i, mask: __mmask16) -> __m512 {
+        unsafe { _mm512_mask_i32gather_ps::<4>(_mm512_setzero_ps(), mask, index, base) }
+    }
+
+    #[inline(always)]
+    unsafe fn add(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_add_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn sub(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_sub_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn mul(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_mul_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn div(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_div_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn mul_add(a: __m512, b: __m512, c: __m512) -> __m512 {
+        unsafe { _mm512_fmadd_ps(a, b, c) }
+    }
+    #[inline(always)]
+    unsafe fn mul_sub(a: __m512, b: __m512, c: __m512) -> __m512 {
+        unsafe { _mm512_fmsub_ps(a, b, c) }
+    }
+    #[inline(always)]
+    unsafe fn min(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_min_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn max(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_max_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn abs(a: __m512) -> __m512 {
+        unsafe { _mm512_abs_ps(a) }
+    }
+    #[inline(always)]
+    unsafe fn flip_sign(a: __m512, s: __m512) -> __m512 {
+        unsafe { _mm512_xor_ps(a, _mm512_and_ps(s, _mm512_set1_ps(-0.0))) }
+    }
+
+    #[inline(always)]
+    unsafe fn lt(a: __m512, b: __m512) -> __mmask16 {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn le(a: __m512, b: __m512) -> __mmask16 {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn eq(a: __m512, b: __m512) -> __mmask16 {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn is_nan(a: __m512) -> __mmask16 {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(a, a) }
+    }
+    #[inline(always)]
+    unsafe fn select(m: __mmask16, yes: __m512, no: __m512) -> __m512 {
+        unsafe { _mm512_mask_blend_ps(m, no, yes) }
+    }
+
+    #[inline(always)]
+    unsafe fn and(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & b
+    }
+    #[inline(always)]
+    unsafe fn or(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a | b
+    }
+    #[inline(always)]
+    unsafe fn and_not(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & !b
+    }
+    #[inline(always)]
+    unsafe fn first(n: usize) -> __mmask16 {
+        if n >= N { !0 } else { (1 << n) - 1 }
+    }
+    #[inline(always)]
+    unsafe fn bits(m: __mmask16) -> u32 {
+        m as u32
+    }
+
+    #[inline(always)]
+    unsafe fn splat_u(x: u32) -> __m512i {
+        unsafe { _mm512_set1_epi32(x as i32) }
+    }
+    #[inline(always)]
+    unsafe fn load_u(p: *const u32) -> __m512i {
+        unsafe { _mm512_loadu_si512(p.cast()) }
+    }
+    #[inline(always)]
+    unsafe fn store_u(p: *mut u32, v: __m512i) {
+        unsafe { _mm512_storeu_si512(p.cast(), v) }
+    }
+    #[inline(always)]
+    unsafe fn store_first_u(p: *mut u32, v: __m512i, n: usize) {
+        unsafe { _mm512_mask_storeu_epi32(p.cast(), Self::first(n), v) }
+    }
+    #[inline(always)]
+    unsafe fn gather_u(base: *const u32, index: __m512i, mask: __mmask16) -> __m512i {
+        unsafe {
+            _mm512_mask_i32gather_epi32::<4>(_mm512_setzero_si512(), mask, index, base.cast())
+        }
+    }
+    #[inline(always)]
+    unsafe fn count_from(base: u32) -> __m512i {
+        unsafe {
+            let iota = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            _mm512_add_epi32(Self::splat_u(base), iota)
+        }
+    }
+    #[inline(always)]
+    unsafe fn lt_u(a: __m512i, b: __m512i) -> __mmask16 {
+        unsafe { _mm512_cmplt_epu32_mask(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn eq_u(a: __m512i, b: __m512i) -> __mmask16 {
+        unsafe { _mm512_cmpeq_epu32_mask(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn select_u(m: __mmask16, yes: __m512i, no: __m512i) -> __m512i {
+        unsafe { _mm512_mask_blend_epi32(m, no, yes) }
+    }
+
+    #[inline(always)]
+    unsafe fn compress(m: __mmask16, v: __m512) -> __m512 {
+        unsafe { _mm512_maskz_compress_ps(m, v) }
+    }
+    #[inline(always)]
+    unsafe fn compress_u(m: __mmask16, v: __m512i) -> __m512i {
+        unsafe { _mm512_maskz_compress_epi32(m, v) }
+    }
+}

@@ -1,0 +1,97 @@
+//! A small abstraction over vector instruction sets: every kernel is written once over [`Lanes`].
+//!
+//! All instances compute the same bits: only correctly rounded operations, fused only in
+//! [`Lanes::mul_add`] and [`Lanes::mul_sub`], and `min`/`max` by the x86 rule.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod isa;
+mod portable;
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx512::Avx512;
+pub use isa::{Isa, UnknownIsa};
+pub(crate) use portable::Portable;
+
+/// A vector of `N` float32, the matching vector of 32-bit unsigned integers, and a mask.
+///
+/// # Safety
+/// Every function may be called only where the processor has the instruction set of the
+/// implementing type. Loads and stores of whole vectors touch `N` values from the pointer on;
+/// pointers need no alignment beyond that of their type.
+pub(crate) trait Lanes: Copy {
+    /// Number of lanes, a power of two, at most [`MAX_LANES`].
+    const N: usize;
+    /// `N` floats.
+    type F: Copy;
+    /// `N` unsigned integers.
+    type U: Copy;
+    /// One truth value a lane.
+    type M: Copy;
+
+    unsafe fn splat(x: f32) -> Self::F;
+    unsafe fn load(p: *const f32) -> Self::F;
+    unsafe fn store(p: *mut f32, v: Self::F);
+    /// Stores the first `n` lanes only.
+    unsafe fn store_first(p: *mut f32, v: Self::F, n: usize);
+    /// Lane `i` is `base[index[i]]` where the mask is set, 0 elsewhere; indices are below 2^31.
+    unsafe fn gather(base: *const f32, index: Self::U, mask: Self::M) -> Self::F;
+
+    unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn div(a: Self::F, b: Self::F) -> Self::F;
+    /// `a * b + c`, rounded once.
+    unsafe fn mul_add(a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// `a * b - c`, rounded once.
+    unsafe fn mul_sub(a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// `if a < b { a } else { b }`: the second operand where one is NaN.
+    unsafe fn min(a: Self::F, b: Self::F) -> Self::F;
+    /// `if a > b { a } else { b }`: the second operand where one is NaN.
+    unsafe fn max(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn abs(a: Self::F) -> Self::F;
+    /// `a` with its sign flipped where that of `s` is negative.
+    unsafe fn flip_sign(a: Self::F, s: Self::F) -> Self::F;
+
+    /// `a < b`, false for NaN.
+    unsafe fn lt(a: Self::F, b: Self::F) -> Self::M;
+    /// `a <= b`, false for NaN.
+    unsafe fn le(a: Self::F, b: Self::F) -> Self::M;
+    /// `a == b`, false for NaN.
+    unsafe fn eq(a: Self::F, b: Self::F) -> Self::M;
+    unsafe fn is_nan(a: Self::F) -> Self::M;
+    unsafe fn select(m: Self::M, yes: Self::F, no: Self::F) -> Self::F;
+
+    unsafe fn and(a: Self::M, b: Self::M) -> Self::M;
+    unsafe fn or(a: Self::M, b: Self::M) -> Self::M;
+    /// `a` where `b` is not set.
+    unsafe fn and_not(a: Self::M, b: Self::M) -> Self::M;
+    /// The first `n` lanes; all of them for `n >= N`.
+    unsafe fn first(n: usize) -> Self::M;
+    /// Lane `i` as bit `i`.
+    unsafe fn bits(m: Self::M) -> u32;
+
+    unsafe fn splat_u(x: u32) -> Self::U;
+    unsafe fn load_u(p: *const u32) -> Self::U;
+    unsafe fn store_u(p: *mut u32, v: Self::U);
+    unsafe fn store_first_u(p: *mut u32, v: Self::U, n: usize);
+    unsafe fn gather_u(base: *const u32, index: Self::U, mask: Self::M) -> Self::U;
+    /// `base, base + 1, …`
+    unsafe fn count_from(base: u32) -> Self::U;
+    unsafe fn lt_u(a: Self::U, b: Self::U) -> Self::M;
+    unsafe fn eq_u(a: Self::U, b: Self::U) -> Self::M;
+    unsafe fn select_u(m: Self::M, yes: Self::U, no: Self::U) -> Self::U;
+
+    /// The set lanes moved to the front in their order; what follows them is unspecified.
+    unsafe fn compress(m: Self::M, v: Self::F) -> Self::F;
+    /// As [`Lanes::compress`].
+    unsafe fn compress_u(m: Self::M, v: Self::U) -> Self::U;
+}
+
+/// The widest vector of any instance: lists start at multiples of it, and memory that kernels
+/// read by whole vectors has as much room behind its end.
+pub(crate) const MAX_LANES: usize = 16;
