@@ -1,1 +1,2 @@
 //! The validator.
+pub mod embree;

@@ -1,0 +1,14 @@
+//! Embree 4 as the reference: nearest and any hit of a batch, in the shapes of [`dacrt`].
+//!
+//! `embree4-rs` makes devices, scenes and meshes; packets, occlusion and everything that is timed
+//! go through `embree4-sys`.
+
+mod device;
+mod packed;
+mod scene;
+mod trace;
+
+pub use device::{Device, Info, mxcsr};
+pub use packed::Packed;
+pub use scene::{Quality, Scene};
+pub use trace::Query;
