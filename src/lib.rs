@@ -23,6 +23,7 @@ mod methods;
 pub mod random;
 pub mod rays;
 mod simd;
+pub mod scene;
 
 pub use geometry::{Aabb, Mesh, Triangle};
 pub use kernels::PADDING;

@@ -68,6 +68,11 @@ impl Mesh {
         &self.triangles
     }
 
+    /// All triangles, by `prim`.
+    pub fn into_triangles(self) -> Vec<Triangle> {
+        self.triangles
+    }
+
     /// Number of triangles, dropped ones included.
     pub fn len(&self) -> usize {
         self.triangles.len()

@@ -4,4 +4,4 @@ mod aabb;
 mod mesh;
 
 pub use aabb::Aabb;
-pub use mesh::{Mesh, Triangle};
+pub use mesh::{COORDINATE_LIMIT, Mesh, Triangle};

@@ -1,0 +1,298 @@
+//! What a scene is made of: the files `scenes/NAME.json`.
+//!
+//! ```json
+//! {
+//!   "about": "Sibenik cathedral, interior",
+//!   "meshes": [{ "file": "sibenik.obj.gz" }],
+//!   "cameras": [
+//!     { "name": "nave", "eye": [-15, -5, 0], "look_at": [0, -8, 0], "up": [0, 1, 0], "fov_degrees": 60 }
+//!   ],
+//!   "lights": [{ "type": "point", "position": [0, -2, 0] }],
+//!   "rays": ["primary", "shadow-point", "diffuse-1"]
+//! }
+//! ```
+//!
+//! | key | meaning |
+//! |---|---|
+//! | `about` | one line for lists of scenes; may be left out |
+//! | `meshes` | at least one; their triangles are numbered one mesh after the other. Either `{ "file": NAME }`, an OBJ or PLY file, plain or gzip, looked for beside the JSON and then in the mesh folders; or `{ "generator": NAME, "triangles": N, "seed": N }` |
+//! | `cameras` | at least one, each with a name of its own; the first is the default. `fov_degrees` is the vertical field of view, more than 0 and less than 180; `up` need not be at right angles to the view, nor of length 1 |
+//! | `lights` | may be left out. A light has a `type`: `point`, with a `position`; `shadow-point` rays need one |
+//! | `rays` | the ray types that the scene is for: names of [`RAY_TYPES`] |
+//!
+//! Coordinates are in the units of the meshes and smaller in size than 1.844e18. An unknown key is
+//! an error.
+
+use super::nearest::no_such;
+use super::{SceneError, generators};
+use glam::DVec3;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// The ray types that a scene can be for.
+pub const RAY_TYPES: [&str; 15] = [
+    "primary",
+    "shadow-point",
+    "shadow-area",
+    "reflection",
+    "ambient-occlusion",
+    "dof",
+    "diffuse-1",
+    "diffuse-2",
+    "diffuse-3",
+    "diffuse-4",
+    "diffuse-5",
+    "diffuse-6",
+    "diffuse-7",
+    "diffuse-8",
+    "random",
+];
+
+/// The content of a scene's JSON file; see the [module](self) for the format.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Description {
+    /// One line for lists of scenes; may be empty.
+    #[serde(default)]
+    pub about: String,
+    /// At least one.
+    pub meshes: Vec<MeshSource>,
+    /// At least one; the first is the default.
+    pub cameras: Vec<Camera>,
+    /// May be empty.
+    #[serde(default)]
+    pub lights: Vec<Light>,
+    /// Names out of [`RAY_TYPES`].
+    pub rays: Vec<String>,
+}
+
+/// Where the triangles of a mesh come from.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "MeshKeys")]
+pub enum MeshSource {
+    /// A mesh file, found by [`locate`](super::locate).
+    File(PathBuf),
+    /// A generator of this program.
+    Generator {
+        /// One of [`generators::NAMES`].
+        name: String,
+        /// About how many triangles to make; more than 0.
+        triangles: usize,
+        /// Of the random choices.
+        seed: u64,
+    },
+}
+
+/// A pinhole camera.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// Unique in its scene.
+    pub name: String,
+    /// Where the rays start.
+    pub eye: [f64; 3],
+    /// A point in the middle of the picture; not the eye.
+    pub look_at: [f64; 3],
+    /// Points to the upper edge of the picture; of any length but 0, not parallel to the view.
+    pub up: [f64; 3],
+    /// Vertical field of view, in degrees: more than 0 and less than 180.
+    pub fov_degrees: f64,
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Light {
+    /// Shines from a point to all sides.
+    Point {
+        /// The point.
+        position: [f64; 3],
+    },
+}
+
+/// The keys of a mesh as they stand in the file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshKeys {
+    file: Option<PathBuf>,
+    generator: Option<String>,
+    triangles: Option<usize>,
+    seed: Option<u64>,
+}
+
+impl TryFrom<MeshKeys> for MeshSource {
+    type Error = &'static str;
+
+    fn try_from(keys: MeshKeys) -> Result<MeshSource, &'static str> {
+        match keys {
+            MeshKeys {
+                file: Some(file),
+                generator: None,
+                triangles: None,
+                seed: None,
+            } => Ok(MeshSource::File(file)),
+            MeshKeys {
+                file: None,
+                generator: Some(name),
+                triangles: Some(triangles),
+                seed: Some(seed),
+            } => Ok(MeshSource::Generator {
+                name,
+                triangles,
+                seed,
+            }),
+            _ => Err("expected a mesh of the key `file` alone, or of `generator`, `triangles` and `seed`"),
+        }
+    }
+}
+
+impl Description {
+    /// Reads a scene's JSON file.
+    ///
+    /// # Errors
+    /// [`SceneError::Unreadable`]; [`SceneError::Json`] for what is no JSON of this format, with
+    /// the line; [`SceneError::Invalid`] for a value that makes no sense, with its key.
+    pub fn load(file: &Path) -> Result<Description, SceneError> {
+        let text = std::fs::read(file).map_err(|source| SceneError::Unreadable {
+            file: file.to_owned(),
+            source,
+        })?;
+        Description::parse(file, &text)
+    }
+
+    /// As [`Description::load`], from the bytes of a file; `file` stands in messages only.
+    ///
+    /// # Errors
+    /// As [`Description::load`].
+    pub fn parse(file: &Path, text: &[u8]) -> Result<Description, SceneError> {
+        let description: Description =
+            serde_json::from_slice(text).map_err(|error| SceneError::json(file, &error))?;
+        description
+            .check()
+            .map_err(|(key, problem)| SceneError::Invalid {
+                file: file.to_owned(),
+                key,
+                problem,
+            })?;
+        Ok(description)
+    }
+
+    /// Looks for values that make no sense; returns the key and what is wrong with it.
+    fn check(&self) -> Result<(), (String, String)> {
+        let at_least_one = |key: &str, count: usize| match count {
+            0 => Err((key.to_owned(), "expected at least one, found none".to_owned())),
+            _ => Ok(()),
+        };
+        at_least_one("meshes", self.meshes.len())?;
+        at_least_one("cameras", self.cameras.len())?;
+        at_least_one("rays", self.rays.len())?;
+
+        for (i, mesh) in self.meshes.iter().enumerate() {
+            mesh.check()
+                .map_err(|(key, problem)| (format!("meshes[{i}].{key}"), problem))?;
+        }
+        for (i, camera) in self.cameras.iter().enumerate() {
+            camera
+                .check()
+                .map_err(|(key, problem)| (format!("cameras[{i}].{key}"), problem))?;
+            if self.cameras[..i].iter().any(|c| c.name == camera.name) {
+                return Err((
+                    format!("cameras[{i}].name"),
+                    format!("expected a name of its own, found {:?} again", camera.name),
+                ));
+            }
+        }
+        for (i, Light::Point { position }) in self.lights.iter().enumerate() {
+            check_point(position)
+                .map_err(|problem| (format!("lights[{i}].position"), problem))?;
+        }
+        for (i, rays) in self.rays.iter().enumerate() {
+            if !RAY_TYPES.contains(&rays.as_str()) {
+                return Err((format!("rays[{i}]"), no_such("ray type", rays, &RAY_TYPES)));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl MeshSource {
+    fn check(&self) -> Result<(), (&'static str, String)> {
+        match self {
+            MeshSource::File(file) if file.file_name().is_none() => Err((
+                "file",
+                format!("expected the name of a file, found \"{}\"", file.display()),
+            )),
+            MeshSource::File(_) => Ok(()),
+            MeshSource::Generator { name, .. } if !generators::NAMES.contains(&name.as_str()) => {
+                Err(("generator", no_such("generator", name, &generators::NAMES)))
+            }
+            MeshSource::Generator { triangles, .. } => {
+                let most = super::loaders::MOST_TRIANGLES;
+                if (1..=most).contains(triangles) {
+                    Ok(())
+                } else {
+                    let problem = format!("expected a number from 1 to {most}, found {triangles}");
+                    Err(("triangles", problem))
+                }
+            }
+        }
+    }
+}
+
+impl Camera {
+    /// Looks for values that make no camera; returns the key and what is wrong with it.
+    fn check(&self) -> Result<(), (&'static str, String)> {
+        if self.name.is_empty() {
+            return Err(("name", "expected a name, found \"\"".to_owned()));
+        }
+        check_point(&self.eye).map_err(|problem| ("eye", problem))?;
+        check_point(&self.look_at).map_err(|problem| ("look_at", problem))?;
+        check_point(&self.up).map_err(|problem| ("up", problem))?;
+
+        let view = DVec3::from(self.look_at) - DVec3::from(self.eye);
+        let up = DVec3::from(self.up);
+        if view == DVec3::ZERO {
+            return Err((
+                "look_at",
+                format!("expected another point than the eye, found {:?}", self.look_at),
+            ));
+        }
+        if up == DVec3::ZERO {
+            return Err(("up", format!("expected a direction, found {:?}", self.up)));
+        }
+        // The sine of the angle between them; below a millionth the picture's axes are noise.
+        let sine = view.normalize().cross(up.normalize()).length();
+        // NaN, from vectors too short to have a length, is no angle either.
+        if sine.is_nan() || sine <= 1e-6 {
+            return Err((
+                "up",
+                format!(
+                    "expected a direction not parallel to the view (look_at - eye = {:?}), found {:?}",
+                    view.to_array(),
+                    self.up
+                ),
+            ));
+        }
+        if !(self.fov_degrees > 0.0 && self.fov_degrees < 180.0) {
+            return Err((
+                "fov_degrees",
+                format!(
+                    "expected more than 0 and less than 180, found {}",
+                    self.fov_degrees
+                ),
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn check_point(point: &[f64; 3]) -> Result<(), String> {
+    let limit = f64::from(crate::geometry::COORDINATE_LIMIT);
+    if point.iter().all(|x| x.abs() < limit) {
+        Ok(())
+    } else {
+        Err(format!(
+            "expected numbers smaller in size than {limit:e}, found {point:?}"
+        ))
+    }
+}
