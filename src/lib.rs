@@ -24,6 +24,7 @@ pub mod random;
 pub mod rays;
 mod simd;
 pub mod scene;
+pub mod workloads;
 
 pub use geometry::{Aabb, Mesh, Triangle};
 pub use kernels::PADDING;

@@ -1,3 +1,4 @@
+<<<<<<< HEAD
 //! Stand-in until the generated scenes are here.
 
 use crate::Mesh;
@@ -12,3 +13,6 @@ pub fn generate(name: &str, triangles: usize, _seed: u64) -> Option<Mesh> {
         .contains(&name)
         .then(|| Mesh::new(vec![triangle; triangles]))
 }
+=======
+//! dummy
+>>>>>>> e8253b1 (Ray workloads and counter-based random numbers)
