@@ -56,7 +56,8 @@ fn room() -> Mesh {
 }
 
 fn camera() -> Camera {
-    Camera::new(Vec3::new(-1.7, 2.2, 1.6), LOOK_AT, Vec3::Y, 90.0).unwrap()
+    let eye = DVec3::new(-1.7, 2.2, 1.6);
+    Camera::new(eye, LOOK_AT.as_dvec3(), DVec3::Y, 90.0).unwrap()
 }
 
 const LOOK_AT: Vec3 = Vec3::new(0.2, 1.2, 0.0);
@@ -168,7 +169,7 @@ fn primary_rays_share_the_eye_and_look_where_the_camera_does() {
 
 #[test]
 fn field_of_view_spans_the_picture_from_top_to_bottom() {
-    let camera = Camera::new(Vec3::ZERO, -Vec3::Z, Vec3::Y, 90.0).unwrap();
+    let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, 90.0).unwrap();
     let s = 0.5f32.sqrt();
     let close = |d: Vec3, e: Vec3| assert!(d.distance(e) < 1e-6, "{d} {e}");
     close(camera.direction(0.5, 0.0, 2.0), Vec3::new(0.0, s, -s));
@@ -248,7 +249,7 @@ fn cosines_of_bounces_have_the_mean_of_a_cosine_distribution() {
         Vec3::new(1e4, 0.0, -1e4),
         Vec3::new(0.0, 0.0, 1e4),
     )]);
-    let down = Camera::new(Vec3::Y, Vec3::ZERO, Vec3::X, 90.0).unwrap();
+    let down = Camera::new(DVec3::Y, DVec3::ZERO, DVec3::X, 90.0).unwrap();
     let film = Film::new(200, 200, 1).unwrap();
     let mut workload = Workload::new(&floor, down, film, None, 11).unwrap();
     for ray_type in [RayType::Diffuse(1), RayType::AmbientOcclusion] {
@@ -436,9 +437,9 @@ fn seed_steers_bounces_and_random_rays_alone() {
 #[test]
 fn nothing_in_view_makes_empty_batches() {
     let away = Camera::new(
-        Vec3::new(0.0, 10.0, 0.0),
-        Vec3::new(0.0, 20.0, 0.0),
-        Vec3::X,
+        DVec3::new(0.0, 10.0, 0.0),
+        DVec3::new(0.0, 20.0, 0.0),
+        DVec3::X,
         60.0,
     )
     .unwrap();
@@ -507,7 +508,7 @@ fn what_cannot_be_is_said_clearly() {
     assert!(film(65_535, 65_537, 1).starts_with("4294967295 rays"));
 
     let camera = |eye, at, up, fov| Camera::new(eye, at, up, fov).unwrap_err().to_string();
-    let (o, x, y) = (Vec3::ZERO, Vec3::X, Vec3::Y);
+    let (o, x, y) = (DVec3::ZERO, DVec3::X, DVec3::Y);
     assert_eq!(
         camera(x, x, y, 60.0),
         "the camera's eye and look-at are the same point, [1, 0, 0]"
@@ -518,12 +519,12 @@ fn what_cannot_be_is_said_clearly() {
         assert!(camera(o, x, y, fov).contains("expected more than 0 and less than 180"));
     }
     assert_eq!(
-        camera(Vec3::NAN, x, y, 60.0),
-        "the camera's eye is not finite"
+        camera(DVec3::NAN, x, y, 60.0),
+        "the camera's eye is not finite in float32"
     );
     assert_eq!(
         camera(o, x, y * f32::INFINITY, 60.0),
-        "the camera's up is not finite"
+        "the camera's up is not finite in float32"
     );
     let light = Workload::new(
         &mesh,

@@ -15,37 +15,39 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `look_at`, with `up` (any length, not along the view) up in
-    /// the picture and a vertical field of view of `fov` degrees.
+    /// A camera at `eye` (rounded to float32, as rays start there) that looks at `look_at`, with
+    /// `up` (any length, not along the view) up in the picture and a vertical field of view of
+    /// `fov_degrees`.
     ///
     /// # Errors
-    /// A value that is not finite, `eye = look_at`, `up` zero or within a millionth of a radian of
-    /// the view direction, `fov` not between 0 and 180.
-    pub fn new(eye: Vec3, look_at: Vec3, up: Vec3, fov: f32) -> Result<Camera, WorkloadError> {
+    /// A value that float32 cannot hold, `eye = look_at`, `up` zero or within a millionth of a
+    /// radian of the view direction, `fov_degrees` not between 0 and 180.
+    pub fn new(
+        eye: DVec3,
+        look_at: DVec3,
+        up: DVec3,
+        fov_degrees: f64,
+    ) -> Result<Camera, WorkloadError> {
         for (name, v) in [("eye", eye), ("look-at", look_at), ("up", up)] {
-            if !v.is_finite() {
+            if !v.as_vec3().is_finite() {
                 return Err(WorkloadError::NotFinite(name));
             }
         }
         // NaN fails the comparison.
-        if !(fov > 0.0 && fov < 180.0) {
-            return Err(WorkloadError::FieldOfView(fov));
+        if !(fov_degrees > 0.0 && fov_degrees < 180.0) {
+            return Err(WorkloadError::FieldOfView(fov_degrees));
         }
-        let view = look_at.as_dvec3() - eye.as_dvec3();
+        let eye = eye.as_vec3();
+        let view = look_at - eye.as_dvec3();
         if view == DVec3::ZERO {
-            return Err(WorkloadError::NoDirection(eye));
-        }
-        let no_up = WorkloadError::NoUp {
-            up,
-            view: view.as_vec3(),
-        };
-        if up == Vec3::ZERO {
-            return Err(no_up);
+            return Err(WorkloadError::NoDirection(look_at));
         }
         let forward = view.normalize();
-        let right = forward.cross(up.as_dvec3().normalize());
-        if right.length() < 1e-6 {
-            return Err(no_up);
+        let right = forward.cross(up.normalize());
+        let sine = right.length();
+        // Vectors too short to have a length in float64 end here too.
+        if sine.is_nan() || sine <= 1e-6 {
+            return Err(WorkloadError::NoUp { up, view });
         }
         let right = right.normalize();
         Ok(Camera {
@@ -53,7 +55,7 @@ impl Camera {
             forward,
             right,
             up: right.cross(forward),
-            tan_half_fov: libm::tan(f64::from(fov).to_radians() / 2.0),
+            tan_half_fov: libm::tan(fov_degrees.to_radians() / 2.0),
         })
     }
 

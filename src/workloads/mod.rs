@@ -19,22 +19,22 @@ pub use workload::{Rays, Workload};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorkloadError {
     /// A camera coordinate is NaN or infinite.
-    #[error("the camera's {0} is not finite")]
+    #[error("the camera's {0} is not finite in float32")]
     NotFinite(&'static str),
     /// The camera has no view direction.
     #[error("the camera's eye and look-at are the same point, {0}")]
-    NoDirection(glam::Vec3),
+    NoDirection(glam::DVec3),
     /// The camera does not know where up is.
     #[error("the camera's up, {up}, is zero or parallel to its view direction, {view}")]
     NoUp {
         /// The up vector.
-        up: glam::Vec3,
+        up: glam::DVec3,
         /// From the eye to the look-at.
-        view: glam::Vec3,
+        view: glam::DVec3,
     },
     /// The field of view is not an angle of a pinhole camera.
     #[error("the camera's field of view is {0} degrees, expected more than 0 and less than 180")]
-    FieldOfView(f32),
+    FieldOfView(f64),
     /// An image without pixels.
     #[error("the resolution is {0}x{1}, expected at least 1x1")]
     Resolution(u32, u32),

@@ -1,0 +1,34 @@
+//! Random triangles of mixed sizes.
+
+use crate::geometry::Triangle;
+use crate::random;
+use glam::DVec3;
+
+/// Centres uniform in the cube from −1 to 1, corners uniform in a ball about the centre. The ball's
+/// radius is 0.6 / √(1 + u (n − 1)) for uniform u: every halving of the size has the same total
+/// area, so sizes spread from 0.6 to 0.6 / √n, and the view into the soup hardly changes with n.
+pub(super) fn soup(triangles: usize, seed: u64) -> Vec<Triangle> {
+    (0..triangles as u64)
+        .map(|number| {
+            let mut index = 0;
+            let mut next = || {
+                index += 1;
+                random::unit_f64(random::hash(seed, number, index))
+            };
+            let mut in_cube = || DVec3::new(next(), next(), next()) * 2.0 - 1.0;
+            let center = in_cube();
+            let mut in_ball = || {
+                loop {
+                    let p = in_cube();
+                    if p.length_squared() <= 1.0 {
+                        return p;
+                    }
+                }
+            };
+            let corners = [in_ball(), in_ball(), in_ball()];
+            let radius = 0.6 / (1.0 + next() * (triangles - 1) as f64).sqrt();
+            let [a, b, c] = corners.map(|p| (center + radius * p).as_vec3());
+            Triangle::new(a, b, c)
+        })
+        .collect()
+}
