@@ -22,8 +22,8 @@ mod kernels;
 mod methods;
 pub mod random;
 pub mod rays;
-mod simd;
 pub mod scene;
+mod simd;
 pub mod workloads;
 
 pub use geometry::{Aabb, Mesh, Triangle};

@@ -64,7 +64,10 @@ fn random_rays(n: usize, seed: u64, shared: bool) -> Batch {
 
 /// One leaf: the naive step over everything.
 fn brute_force() -> Parameters {
-    Parameters { leaf_triangles: u32::MAX, ..Method::Afra2012.parameters() }
+    Parameters {
+        leaf_triangles: u32::MAX,
+        ..Method::Afra2012.parameters()
+    }
 }
 
 struct Case {
@@ -76,7 +79,11 @@ struct Case {
 impl Case {
     fn new(mesh: Mesh, batch: Batch) -> Case {
         let workspace = Workspace::new(batch.len(), mesh.len());
-        Case { mesh, batch, workspace }
+        Case {
+            mesh,
+            batch,
+            workspace,
+        }
     }
 
     fn nearest(&mut self, tracer: Tracer) -> (Hits, Trace) {
@@ -98,14 +105,22 @@ fn bits(hits: &Hits) -> (Vec<u32>, &[u32]) {
 
 #[test]
 fn all_methods_and_instruction_sets_agree_with_the_naive_step() {
-    for (rays, triangles, shared) in
-        [(3000, 2000, false), (3000, 2000, true), (20_000, 700, false), (20_000, 700, true), (70, 3000, false)]
-    {
+    for (rays, triangles, shared) in [
+        (3000, 2000, false),
+        (3000, 2000, true),
+        (20_000, 700, false),
+        (20_000, 700, true),
+        (70, 3000, false),
+    ] {
         let mut case = Case::new(soup(triangles, 1), random_rays(rays, 2, shared));
         let (expected, trace) = case.nearest(Tracer::new(brute_force()));
         assert_eq!(trace.shared_origin, shared);
         assert!(trace.invalid_rays > 0);
-        assert!(expected.hit_count() > rays / 4, "{} of {rays} hit", expected.hit_count());
+        assert!(
+            expected.hit_count() > rays / 4,
+            "{} of {rays} hit",
+            expected.hit_count()
+        );
         let occluded: Vec<u8> = expected.prim.iter().map(|&p| (p != MISS) as u8).collect();
         for method in Method::ALL {
             let mut counters = Vec::new();
@@ -117,7 +132,10 @@ fn all_methods_and_instruction_sets_agree_with_the_naive_step() {
                 assert_eq!(any, occluded, "{method} {isa} any");
                 counters.push((trace, any_trace));
             }
-            assert!(counters.iter().all(|c| c == &counters[0]), "{method}: {counters:#?}");
+            assert!(
+                counters.iter().all(|c| c == &counters[0]),
+                "{method}: {counters:#?}"
+            );
         }
     }
 }

@@ -141,7 +141,9 @@ impl TryFrom<MeshKeys> for MeshSource {
                 triangles,
                 seed,
             }),
-            _ => Err("expected a mesh of the key `file` alone, or of `generator`, `triangles` and `seed`"),
+            _ => Err(
+                "expected a mesh of the key `file` alone, or of `generator`, `triangles` and `seed`",
+            ),
         }
     }
 }
@@ -180,7 +182,10 @@ impl Description {
     /// Looks for values that make no sense; returns the key and what is wrong with it.
     fn check(&self) -> Result<(), (String, String)> {
         let at_least_one = |key: &str, count: usize| match count {
-            0 => Err((key.to_owned(), "expected at least one, found none".to_owned())),
+            0 => Err((
+                key.to_owned(),
+                "expected at least one, found none".to_owned(),
+            )),
             _ => Ok(()),
         };
         at_least_one("meshes", self.meshes.len())?;
@@ -203,8 +208,7 @@ impl Description {
             }
         }
         for (i, Light::Point { position }) in self.lights.iter().enumerate() {
-            check_point(position)
-                .map_err(|problem| (format!("lights[{i}].position"), problem))?;
+            check_point(position).map_err(|problem| (format!("lights[{i}].position"), problem))?;
         }
         for (i, rays) in self.rays.iter().enumerate() {
             if !RAY_TYPES.contains(&rays.as_str()) {
@@ -254,7 +258,10 @@ impl Camera {
         if view == DVec3::ZERO {
             return Err((
                 "look_at",
-                format!("expected another point than the eye, found {:?}", self.look_at),
+                format!(
+                    "expected another point than the eye, found {:?}",
+                    self.look_at
+                ),
             ));
         }
         if up == DVec3::ZERO {

@@ -224,4 +224,3 @@ fn list(folders: &[PathBuf]) -> String {
     let names: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
     names.join(", ")
 }
-//! Scenes: what they are made of and where that comes from.

@@ -14,7 +14,10 @@ pub fn no_such(kind: &str, name: &str, known: &[impl AsRef<str>]) -> String {
         }
         Some(_) => {
             let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
-            format!("there is no {kind} {name:?}: there are {}", known.join(", "))
+            format!(
+                "there is no {kind} {name:?}: there are {}",
+                known.join(", ")
+            )
         }
     }
 }

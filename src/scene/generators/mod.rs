@@ -1,9 +1,3 @@
-<<<<<<< HEAD
-<<<<<<< HEAD
-//! Stand-in until the generated scenes are here.
-
-use crate::Mesh;
-=======
 //! Scenes made by the program, for machines without any mesh at hand: each is a function of the
 //! number of triangles and a seed, and the same bits everywhere, as only correctly rounded
 //! operations and the pure-Rust `libm` are used.
@@ -22,23 +16,11 @@ mod soup;
 mod zip;
 
 use crate::geometry::Mesh;
->>>>>>> e772c2d (Generators relief and soup)
 
 /// Names of the generators.
 pub const NAMES: [&str; 3] = ["hall", "relief", "soup"];
 
 /// Makes the mesh of a generator; `None` if there is no generator of this name.
-<<<<<<< HEAD
-pub fn generate(name: &str, triangles: usize, _seed: u64) -> Option<Mesh> {
-    let triangle = crate::Triangle::new(glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y);
-    NAMES
-        .contains(&name)
-        .then(|| Mesh::new(vec![triangle; triangles]))
-}
-=======
-//! dummy
->>>>>>> e8253b1 (Ray workloads and counter-based random numbers)
-=======
 ///
 /// It has as many triangles as asked for, but 10 at least; `relief` has one less if that number is
 /// odd (a closed surface has an even one). Made for 10 to 30 million triangles; takes a fraction
@@ -59,4 +41,3 @@ pub fn generate(name: &str, triangles: usize, seed: u64) -> Option<Mesh> {
     );
     Some(Mesh::new(make(triangles.max(10), seed)))
 }
->>>>>>> e772c2d (Generators relief and soup)

@@ -76,7 +76,10 @@ fn first_bad_index(bytes: &[u8], vertices: usize) -> Problem {
             };
             if !in_range {
                 let expected = if number.starts_with('-') {
-                    format!("-{} to -1, for so many vertices stand before", lines.vertices)
+                    format!(
+                        "-{} to -1, for so many vertices stand before",
+                        lines.vertices
+                    )
                 } else {
                     format!("1 to {vertices}, the number of vertices")
                 };

@@ -155,13 +155,18 @@ impl<'a> Rows<'a> {
                     // No allocation for a promise: the words must be there.
                     let items = (0..length).map(|_| word());
                     match item {
-                        ScalarType::Float | ScalarType::Double => {
-                            items.map(|w| number(w?)).collect::<Result<_, _>>().map(Property::ListDouble)
-                        }
-                        ScalarType::UInt => {
-                            items.map(|w| number(w?)).collect::<Result<_, _>>().map(Property::ListUInt)
-                        }
-                        _ => items.map(|w| number(w?)).collect::<Result<_, _>>().map(Property::ListInt),
+                        ScalarType::Float | ScalarType::Double => items
+                            .map(|w| number(w?))
+                            .collect::<Result<_, _>>()
+                            .map(Property::ListDouble),
+                        ScalarType::UInt => items
+                            .map(|w| number(w?))
+                            .collect::<Result<_, _>>()
+                            .map(Property::ListUInt),
+                        _ => items
+                            .map(|w| number(w?))
+                            .collect::<Result<_, _>>()
+                            .map(Property::ListInt),
                     }?
                 }
             };
@@ -187,5 +192,10 @@ fn reason(error: &ply_rs_bw::parser::ParseError) -> String {
     if error.kind() == ErrorKind::UnexpectedEof {
         return "expected more bytes, found the end of the file".to_owned();
     }
-    error.to_string().lines().next().unwrap_or_default().to_owned()
+    error
+        .to_string()
+        .lines()
+        .next()
+        .unwrap_or_default()
+        .to_owned()
 }
