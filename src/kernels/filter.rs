@@ -4,7 +4,7 @@
 use super::slab::SlabBox;
 use super::{List, Rays};
 use crate::geometry::Aabb;
-use crate::simd::Lanes;
+use crate::simd::{Lanes, load3};
 
 /// Where the kept rays go.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -15,8 +15,17 @@ pub(crate) enum Keep {
     InPlace,
 }
 
-/// Lanes of the vector at `at` whose ray meets the box no further away than its best hit, out of
-/// the `left` rays that the list still has there.
+/// One vector of a list, and which of its rays are kept.
+struct Block<L: Lanes> {
+    kept: L::M,
+    inverse: [L::F; 3],
+    /// Meaningless where the origin is shared.
+    origin: [L::F; 3],
+    id: L::U,
+}
+
+/// The block at `at`, of which the list has `left` rays: kept are those that meet the box no further
+/// away than their best hit.
 ///
 /// # Safety
 /// As for [`filter`]; `at` is within the list.
@@ -26,14 +35,17 @@ unsafe fn kept<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
     slabs: &SlabBox<L>,
     at: usize,
     left: usize,
-) -> (L::M, [L::F; 3], [L::F; 3], L::U) {
+) -> Block<L> {
     let s = &rays.active;
     // SAFETY: whole vectors within the streams, which have room for them behind every list; ids
     // are gathered with only where a list entry is, so they are rays of the batch.
     unsafe {
-        let load3 = |p: &[*mut f32; 3]| [0, 1, 2].map(|axis| L::load(p[axis].add(at)));
-        let inverse = load3(&s.inverse);
-        let origin = if SHARED { inverse } else { load3(&s.origin) };
+        let inverse = load3::<L>(&s.inverse, at);
+        let origin = if SHARED {
+            inverse
+        } else {
+            load3::<L>(&s.origin, at)
+        };
         let id = L::load_u(s.id.add(at));
         let tmin = L::splat(rays.least_tmin);
         let (near, far) = slabs.interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
@@ -42,7 +54,12 @@ unsafe fn kept<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
             let t = L::gather(rays.t, id, kept);
             kept = L::and(kept, L::le(near, t));
         }
-        (kept, inverse, origin, id)
+        Block {
+            kept,
+            inverse,
+            origin,
+            id,
+        }
     }
 }
 
@@ -72,7 +89,12 @@ pub(crate) unsafe fn filter<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         let mut rejected = 0;
         for i in (0..list.len).step_by(L::N) {
             let (at, left) = (list.start + i, list.len - i);
-            let (kept, inverse, origin, id) = kept::<L, SHARED, SPECIAL>(rays, &slabs, at, left);
+            let Block {
+                kept,
+                inverse,
+                origin,
+                id,
+            } = kept::<L, SHARED, SPECIAL>(rays, &slabs, at, left);
             let count = L::bits(kept).count_ones() as usize;
             let to = start + n;
             n += count;
@@ -153,7 +175,8 @@ pub(crate) unsafe fn count<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         for block in (0..list.len).step_by(BLOCK * stride) {
             let end = (block + BLOCK).min(list.len);
             for i in (block..end).step_by(L::N) {
-                let (kept, ..) = kept::<L, SHARED, SPECIAL>(rays, &slabs, list.start + i, end - i);
+                let Block { kept, .. } =
+                    kept::<L, SHARED, SPECIAL>(rays, &slabs, list.start + i, end - i);
                 n += L::bits(kept).count_ones() as usize;
             }
             tested += end - block;

@@ -3,7 +3,7 @@
 use super::triangle::Prepared;
 use super::{Item, List, Rays};
 use crate::geometry::Triangle;
-use crate::simd::Lanes;
+use crate::simd::{Lanes, load3};
 
 /// Triangles whose constants are held ready at a time.
 const CHUNK: usize = 16;
@@ -36,21 +36,28 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                 let s = &rays.active;
                 let active = L::first(left);
                 let id = L::load_u(s.id.add(at));
-                let load3 = |p: &[*mut f32; 3]| [0, 1, 2].map(|axis| L::load(p[axis].add(at)));
-                let inverse = load3(&s.inverse);
-                let origin = if SHARED { inverse } else { load3(&s.origin) };
-                let direction = rays.direction.map(|p| L::gather(p, id, active));
+                let inverse = load3::<L>(&s.inverse, at);
+                let origin = if SHARED {
+                    inverse
+                } else {
+                    load3::<L>(&s.origin, at)
+                };
+                let direction = [
+                    L::gather(rays.direction[0], id, active),
+                    L::gather(rays.direction[1], id, active),
+                    L::gather(rays.direction[2], id, active),
+                ];
                 let mut t = L::gather(rays.t, id, active);
                 let mut prim = None;
                 let mut changed = L::first(0);
-                let tmin = |mask| L::gather(rays.tmin, id, mask);
                 for triangle in chunk {
                     let (mut hit, t_hit) = triangle.intersect::<L, SHARED, SPECIAL>(
                         &origin,
                         &direction,
                         &inverse,
                         rays.shared_origin,
-                        tmin,
+                        rays.tmin,
+                        id,
                         t,
                         active,
                     );

@@ -61,6 +61,22 @@ unsafe fn load<L: Lanes>(from: &[f32], at: usize) -> L::F {
     }
 }
 
+/// As [`load`], from three slices.
+///
+/// # Safety
+/// As for [`load`].
+#[inline(always)]
+unsafe fn load3<L: Lanes>(from: &[Vec<f32>; 3], at: usize) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        [
+            load::<L>(&from[0], at),
+            load::<L>(&from[1], at),
+            load::<L>(&from[2], at),
+        ]
+    }
+}
+
 /// The origin that all valid rays share to the bit; see [`Batch::shared_origin`].
 ///
 /// # Safety
@@ -70,10 +86,13 @@ pub(crate) unsafe fn shared_origin<L: Lanes>(batch: &Batch) -> Option<Vec3> {
     let first = batch.iter().find(|ray| ray.is_valid())?.origin;
     // SAFETY: as promised; whole vectors of bits are compared where the batch has them.
     unsafe {
-        let bits = first.to_array().map(|x| L::splat_u(x.to_bits()));
+        let bits = [
+            L::splat_u(first.x.to_bits()),
+            L::splat_u(first.y.to_bits()),
+            L::splat_u(first.z.to_bits()),
+        ];
         for at in (0..batch.len()).step_by(L::N) {
-            let load = |v: &Vec<f32>| load::<L>(v, at);
-            let origin = [0, 1, 2].map(|axis| load(&batch.origin[axis]));
+            let origin = load3::<L>(&batch.origin, at);
             let mut same = L::first(batch.len() - at);
             let all = same;
             for axis in 0..3 {
@@ -82,8 +101,13 @@ pub(crate) unsafe fn shared_origin<L: Lanes>(batch: &Batch) -> Option<Vec3> {
                 same = L::and(same, L::eq_u(L::load_u(lanes.as_ptr().cast()), bits[axis]));
             }
             if L::bits(same) != L::bits(all) {
-                let direction = [0, 1, 2].map(|axis| load(&batch.direction[axis]));
-                let valid = valid::<L>(&origin, &direction, load(&batch.tmin), load(&batch.tmax));
+                let direction = load3::<L>(&batch.direction, at);
+                let valid = valid::<L>(
+                    &origin,
+                    &direction,
+                    load::<L>(&batch.tmin, at),
+                    load::<L>(&batch.tmax, at),
+                );
                 if L::bits(L::and(valid, L::and_not(all, same))) != 0 {
                     return None;
                 }
@@ -113,10 +137,9 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
         let mut n = 0;
         for at in (0..batch.len()).step_by(L::N) {
             let left = batch.len() - at;
-            let load = |v: &Vec<f32>| load::<L>(v, at);
-            let origin = [0, 1, 2].map(|axis| load(&batch.origin[axis]));
-            let direction = [0, 1, 2].map(|axis| load(&batch.direction[axis]));
-            let (tmin, tmax) = (load(&batch.tmin), load(&batch.tmax));
+            let origin = load3::<L>(&batch.origin, at);
+            let direction = load3::<L>(&batch.direction, at);
+            let (tmin, tmax) = (load::<L>(&batch.tmin, at), load::<L>(&batch.tmax, at));
             let valid = L::and(valid::<L>(&origin, &direction, tmin, tmax), L::first(left));
             least_tmin = L::select(valid, L::min(tmin, least_tmin), least_tmin);
             for axis in 0..3 {

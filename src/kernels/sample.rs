@@ -6,7 +6,7 @@ use super::slab::SlabBox;
 use super::{List, Rays};
 use crate::geometry::Aabb;
 use crate::random;
-use crate::simd::{Lanes, MAX_LANES};
+use crate::simd::{Lanes, MAX_LANES, load3, splat3};
 
 /// The most sample rays a node may have.
 pub(crate) const MAX_SAMPLES: usize = 4096;
@@ -110,34 +110,71 @@ impl Samples {
         // SAFETY: as promised; the arrays have room for a whole vector behind the last sample.
         unsafe {
             let tmin = L::splat(rays.least_tmin);
-            let infinity = L::splat(f32::INFINITY);
+            let (inverse, origin) = (streams(&self.inverse), streams(&self.origin));
             for (candidate, counts) in candidates.iter().zip(counts) {
                 let left = SlabBox::<L>::new(&candidate.left, rays.shared_origin);
                 let right = SlabBox::<L>::new(&candidate.right, rays.shared_origin);
                 *counts = SampleCounts::default();
                 for i in (0..self.len).step_by(L::N) {
                     let active = L::first(self.len - i);
-                    let load3 = |v: &[[f32; MAX_SAMPLES + MAX_LANES]; 3]| {
-                        [0, 1, 2].map(|axis| L::load(v[axis].as_ptr().add(i)))
+                    let ray = SampleBlock::<L> {
+                        inverse: load3::<L>(&inverse, i),
+                        origin: if SHARED {
+                            splat3::<L>(&[0.0; 3])
+                        } else {
+                            load3::<L>(&origin, i)
+                        },
+                        tmin,
+                        t: L::load(self.t.as_ptr().add(i)),
+                        active,
                     };
-                    let inverse = load3(&self.inverse);
-                    let origin = if SHARED { inverse } else { load3(&self.origin) };
-                    let t = L::load(self.t.as_ptr().add(i));
-                    let meets = |slabs: &SlabBox<L>| {
-                        let (near, far) =
-                            slabs.interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
-                        let hit = L::and(L::and(L::le(near, far), L::le(near, t)), active);
-                        (hit, L::select(hit, near, infinity))
-                    };
-                    let (hit_left, near_left) = meets(&left);
-                    let (hit_right, near_right) = meets(&right);
-                    let count = |m| L::bits(m).count_ones();
-                    counts.left += count(hit_left);
-                    counts.right += count(hit_right);
-                    counts.left_first += count(L::lt(near_left, near_right));
-                    counts.right_first += count(L::lt(near_right, near_left));
+                    let (hit_left, near_left) = ray.entry::<SHARED, SPECIAL>(&left);
+                    let (hit_right, near_right) = ray.entry::<SHARED, SPECIAL>(&right);
+                    counts.left += L::bits(hit_left).count_ones();
+                    counts.right += L::bits(hit_right).count_ones();
+                    counts.left_first += L::bits(L::lt(near_left, near_right)).count_ones();
+                    counts.right_first += L::bits(L::lt(near_right, near_left)).count_ones();
                 }
             }
+        }
+    }
+}
+
+/// Pointers to three arrays, for reading only.
+fn streams(arrays: &[[f32; MAX_SAMPLES + MAX_LANES]; 3]) -> [*mut f32; 3] {
+    [
+        arrays[0].as_ptr().cast_mut(),
+        arrays[1].as_ptr().cast_mut(),
+        arrays[2].as_ptr().cast_mut(),
+    ]
+}
+
+/// One vector of sample rays.
+struct SampleBlock<L: Lanes> {
+    inverse: [L::F; 3],
+    origin: [L::F; 3],
+    tmin: L::F,
+    t: L::F,
+    active: L::M,
+}
+
+impl<L: Lanes> SampleBlock<L> {
+    /// Which rays meet a box no further away than their best hit, and where they enter it: at
+    /// infinity where they do not.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set.
+    #[inline(always)]
+    unsafe fn entry<const SHARED: bool, const SPECIAL: bool>(
+        &self,
+        slabs: &SlabBox<L>,
+    ) -> (L::M, L::F) {
+        // SAFETY: as promised.
+        unsafe {
+            let (near, far) =
+                slabs.interval::<SHARED, SPECIAL>(&self.inverse, &self.origin, self.tmin);
+            let hit = L::and(L::and(L::le(near, far), L::le(near, self.t)), self.active);
+            (hit, L::select(hit, near, L::splat(f32::INFINITY)))
         }
     }
 }
@@ -158,14 +195,15 @@ pub(crate) unsafe fn first_enters_left(rays: &Rays, list: List, pair: &Candidate
             Some(o) => o.to_array().map(|x| L::splat(x)),
             None => s.origin.map(|p| L::splat(*p.add(at))),
         };
-        let t = L::splat(*rays.t.add(*s.id.add(at) as usize));
-        let entry = |b: &Aabb| {
-            let slabs = SlabBox::<L>::new(b, None);
-            let (near, far) =
-                slabs.interval::<false, true>(&inverse, &origin, L::splat(rays.least_tmin));
-            let hit = L::and(L::le(near, far), L::le(near, t));
-            L::select(hit, near, L::splat(f32::INFINITY))[0]
+        let ray = SampleBlock::<L> {
+            inverse,
+            origin,
+            tmin: L::splat(rays.least_tmin),
+            t: L::splat(*rays.t.add(*s.id.add(at) as usize)),
+            active: L::first(1),
         };
-        entry(&pair.left) < entry(&pair.right)
+        let (_, left) = ray.entry::<false, true>(&SlabBox::new(&pair.left, None));
+        let (_, right) = ray.entry::<false, true>(&SlabBox::new(&pair.right, None));
+        left[0] < right[0]
     }
 }

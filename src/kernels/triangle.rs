@@ -11,7 +11,7 @@
 use super::bins::Item;
 use super::slab::SlabBox;
 use crate::geometry::{Aabb, Triangle};
-use crate::simd::Lanes;
+use crate::simd::{Lanes, splat3};
 use glam::Vec3;
 
 /// What the kernel needs of a triangle.
@@ -75,10 +75,10 @@ impl Prepared {
 
     /// Lanes whose ray hits the triangle at `tmin < t <= tmax`, and their t.
     ///
-    /// `tmin` is given as a closure, for only the few rays that hit need it.
+    /// The rays' tmin are gathered by `id`, for only the few rays that hit need them.
     ///
     /// # Safety
-    /// The processor has `L`'s instruction set.
+    /// The processor has `L`'s instruction set; `tmin` is good for the ids of active lanes.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub unsafe fn intersect<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
@@ -87,29 +87,29 @@ impl Prepared {
         direction: &[L::F; 3],
         inverse: &[L::F; 3],
         shared_origin: Option<Vec3>,
-        tmin: impl Fn(L::M) -> L::F,
+        tmin: *const f32,
+        id: L::U,
         tmax: L::F,
         active: L::M,
     ) -> (L::M, L::F) {
         // SAFETY: as promised.
         unsafe {
-            let splat3 = |v: &[f32; 3]| [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])];
-            let n = splat3(&self.n);
+            let n = splat3::<L>(&self.n);
             let den = dot::<L>(&n, direction);
             let (u, v, numerator) = if SHARED {
-                let u = dot::<L>(&splat3(&self.u), direction);
-                let v = dot::<L>(&splat3(&self.v), direction);
+                let u = dot::<L>(&splat3::<L>(&self.u), direction);
+                let v = dot::<L>(&splat3::<L>(&self.v), direction);
                 (u, v, L::splat(self.a[0]))
             } else {
-                let a = splat3(&self.a);
+                let a = splat3::<L>(&self.a);
                 let c = [
                     L::sub(a[0], origin[0]),
                     L::sub(a[1], origin[1]),
                     L::sub(a[2], origin[2]),
                 ];
                 let r = cross_lanes::<L>(&c, direction);
-                let u = dot::<L>(&splat3(&self.u), &r);
-                let v = dot::<L>(&splat3(&self.v), &r);
+                let u = dot::<L>(&splat3::<L>(&self.u), &r);
+                let v = dot::<L>(&splat3::<L>(&self.v), &r);
                 (u, v, dot::<L>(&n, &c))
             };
             let zero = L::splat(0.0);
@@ -125,7 +125,7 @@ impl Prepared {
                 return (hit, zero);
             }
             let t = L::div(L::flip_sign(numerator, den), size);
-            let tmin = tmin(hit);
+            let tmin = L::gather(tmin, id, hit);
             let in_reach = L::and(L::lt(tmin, t), L::le(t, tmax));
             let hit = L::and(hit, L::and(in_reach, L::lt(t, L::splat(f32::INFINITY))));
             if L::bits(hit) == 0 {

@@ -92,6 +92,33 @@ pub(crate) trait Lanes: Copy {
     unsafe fn compress_u(m: Self::M, v: Self::U) -> Self::U;
 }
 
+/// Three vectors from three streams, at the same place of each.
+///
+/// This and its like are functions, not closures: a closure that is not inlined loses the
+/// instruction set of the function around it, and each operation in it becomes a call.
+///
+/// # Safety
+/// As for [`Lanes::load`].
+#[inline(always)]
+pub(crate) unsafe fn load3<L: Lanes>(streams: &[*mut f32; 3], at: usize) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        [
+            L::load(streams[0].add(at)),
+            L::load(streams[1].add(at)),
+            L::load(streams[2].add(at)),
+        ]
+    }
+}
+
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(crate) unsafe fn splat3<L: Lanes>(v: &[f32; 3]) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe { [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])] }
+}
+
 /// The widest vector of any instance: lists start at multiples of it, and memory that kernels
 /// read by whole vectors has as much room behind its end.
 pub(crate) const MAX_LANES: usize = 16;
