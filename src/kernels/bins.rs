@@ -93,6 +93,11 @@ impl Binning {
         }
     }
 
+    /// Number of bins.
+    pub fn bins(&self) -> usize {
+        self.last as usize + 1
+    }
+
     #[inline(always)]
     fn bin(&self, item: &Item) -> usize {
         let doubled_center = item.0[self.axis] - item.0[self.axis + 4];
@@ -105,16 +110,56 @@ impl Binning {
     }
 }
 
-/// Adds every item to its bin.
-#[inline(always)]
-pub(crate) fn bin(items: &[Item], binning: &Binning, boxes: &mut [BinBox], counts: &mut [u32]) {
-    assert!(boxes.len() >= MAX_BINS && counts.len() >= MAX_BINS);
-    for item in items {
-        let i = binning.bin(item);
-        // SAFETY: a bin is below MAX_BINS.
+/// The bins of one axis.
+pub(crate) struct Bins {
+    pub boxes: [BinBox; MAX_BINS],
+    pub counts: [u32; MAX_BINS],
+}
+
+impl Bins {
+    pub const EMPTY: Bins = Bins {
+        boxes: [BinBox::EMPTY; MAX_BINS],
+        counts: [0; MAX_BINS],
+    };
+
+    /// Empties the first `n` bins.
+    #[inline(always)]
+    fn clear(&mut self, n: usize) {
+        self.boxes[..n].fill(BinBox::EMPTY);
+        self.counts[..n].fill(0);
+    }
+
+    #[inline(always)]
+    fn add(&mut self, bin: usize, item: &Item) {
+        // SAFETY: `Binning::bin` is below MAX_BINS.
         unsafe {
-            boxes.get_unchecked_mut(i).add(item);
-            *counts.get_unchecked_mut(i) += 1;
+            self.boxes.get_unchecked_mut(bin).add(item);
+            *self.counts.get_unchecked_mut(bin) += 1;
+        }
+    }
+}
+
+/// Adds every item to its bin of one axis, or of all three at once.
+#[inline(always)]
+pub(crate) fn bin(items: &[Item], axes: &[Binning], bins: &mut [Bins; 3]) {
+    for (binning, bins) in axes.iter().zip(bins.iter_mut()) {
+        bins.clear(binning.bins());
+    }
+    match axes {
+        [x, y, z] => {
+            let [of_x, of_y, of_z] = bins;
+            for item in items {
+                of_x.add(x.bin(item), item);
+                of_y.add(y.bin(item), item);
+                of_z.add(z.bin(item), item);
+            }
+        }
+        _ => {
+            for (binning, bins) in axes.iter().zip(bins) {
+                items
+                    .iter()
+                    .for_each(|item| bins.add(binning.bin(item), item));
+            }
         }
     }
 }

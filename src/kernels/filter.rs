@@ -51,7 +51,15 @@ unsafe fn kept<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         let (near, far) = slabs.interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
         let mut kept = L::and(L::le(near, far), L::first(left));
         if L::bits(kept) != 0 {
-            let t = L::gather(rays.t, id, kept);
+            // Rays next to each other in the batch need no gather; a quarter of the time of coherent
+            // batches.
+            let first = *s.id.add(at);
+            let neighbours = L::eq_u(id, L::count_from(first));
+            let t = if left >= L::N && L::bits(neighbours) == L::bits(L::first(L::N)) {
+                L::load(rays.t.add(first as usize))
+            } else {
+                L::gather(rays.t, id, kept)
+            };
             kept = L::and(kept, L::le(near, t));
         }
         Block {

@@ -42,11 +42,9 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                 } else {
                     load3::<L>(&s.origin, at)
                 };
-                let direction = [
-                    L::gather(rays.direction[0], id, active),
-                    L::gather(rays.direction[1], id, active),
-                    L::gather(rays.direction[2], id, active),
-                ];
+                let some_id = L::select_u(active, id, L::splat_u(*s.id.add(list.start)));
+                let [x, y, z, tmin] = L::gather4(rays.directions.cast(), some_id);
+                let direction = [x, y, z];
                 let mut t = L::gather(rays.t, id, active);
                 let mut prim = None;
                 let mut changed = L::first(0);
@@ -56,8 +54,7 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                         &direction,
                         &inverse,
                         rays.shared_origin,
-                        rays.tmin,
-                        id,
+                        tmin,
                         t,
                         active,
                     );

@@ -154,6 +154,10 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
             }
             L::store_u(s.id.add(n), L::compress_u(valid, L::count_from(at as u32)));
             L::store_first(rays.t.add(at), tmax, left.min(L::N));
+            for i in at..batch.len().min(at + L::N) {
+                let d = &batch.direction;
+                *rays.directions.add(i) = [d[0][i], d[1][i], d[2][i], batch.tmin[i]];
+            }
             n += L::bits(valid).count_ones() as usize;
         }
         let mut lanes = [f32::INFINITY; crate::simd::MAX_LANES];

@@ -1,6 +1,6 @@
 //! One instance of every kernel for each instruction set, behind a table of functions.
 
-use super::bins::{self, BinBox, Binning, Item};
+use super::bins::{self, BinBox, Binning, Bins, Item};
 use super::filter::{self, Keep};
 use super::prepare::{self, PreparedRays};
 use super::sample::{Candidate, SampleCounts, Samples};
@@ -32,7 +32,7 @@ pub(crate) struct Kernels {
     pub shared_origin: unsafe fn(&Batch) -> Option<Vec3>,
     pub prepare_rays: unsafe fn(&Batch, &Rays) -> PreparedRays,
     pub prepare_triangles: unsafe fn(&Mesh, &mut [Item]) -> (usize, BinBox),
-    pub bin: unsafe fn(&[Item], &Binning, &mut [BinBox], &mut [u32]),
+    pub bin: unsafe fn(&[Item], &[Binning], &mut [Bins; 3]),
     pub partition: unsafe fn(&mut [Item], &mut [Item], &Binning, usize) -> usize,
     pub unite: unsafe fn(&[Item]) -> BinBox,
     pub draw_samples: unsafe fn(&mut Samples, &Rays, List, Draw),
@@ -115,8 +115,8 @@ macro_rules! shells {
             }
 
             $(#[$feature])?
-            unsafe fn bin(items: &[Item], by: &Binning, boxes: &mut [BinBox], counts: &mut [u32]) {
-                bins::bin(items, by, boxes, counts)
+            unsafe fn bin(items: &[Item], axes: &[Binning], bins: &mut [Bins; 3]) {
+                bins::bin(items, axes, bins)
             }
 
             $(#[$feature])?

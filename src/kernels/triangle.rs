@@ -75,10 +75,8 @@ impl Prepared {
 
     /// Lanes whose ray hits the triangle at `tmin < t <= tmax`, and their t.
     ///
-    /// The rays' tmin are gathered by `id`, for only the few rays that hit need them.
-    ///
     /// # Safety
-    /// The processor has `L`'s instruction set; `tmin` is good for the ids of active lanes.
+    /// The processor has `L`'s instruction set.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub unsafe fn intersect<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
@@ -87,8 +85,7 @@ impl Prepared {
         direction: &[L::F; 3],
         inverse: &[L::F; 3],
         shared_origin: Option<Vec3>,
-        tmin: *const f32,
-        id: L::U,
+        tmin: L::F,
         tmax: L::F,
         active: L::M,
     ) -> (L::M, L::F) {
@@ -125,7 +122,6 @@ impl Prepared {
                 return (hit, zero);
             }
             let t = L::div(L::flip_sign(numerator, den), size);
-            let tmin = L::gather(tmin, id, hit);
             let in_reach = L::and(L::lt(tmin, t), L::le(t, tmax));
             let hit = L::and(hit, L::and(in_reach, L::lt(t, L::splat(f32::INFINITY))));
             if L::bits(hit) == 0 {

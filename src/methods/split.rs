@@ -4,7 +4,7 @@ use super::divide::Divide;
 use super::{Axes, Cost, Draws, OneRay, Order};
 use crate::geometry::Aabb;
 use crate::kernels::{
-    BinBox, Binning, Candidate, Draw, List, MAX_BINS, SampleCounts, first_enters_left,
+    BinBox, Binning, Bins, Candidate, Draw, List, MAX_BINS, SampleCounts, first_enters_left,
 };
 use crate::random;
 
@@ -60,10 +60,9 @@ enum Cut {
     Halves,
 }
 
-/// Room for the bins of one axis and all candidates of one node.
+/// Room for the bins and all candidates of one node.
 pub(super) struct Candidates {
-    boxes: [BinBox; MAX_BINS],
-    counts: [u32; MAX_BINS],
+    bins: [Bins; 3],
     /// `suffix[j]` is the box around bins j and up.
     suffix: [BinBox; MAX_BINS],
     pairs: [Candidate; MAX_CANDIDATES],
@@ -79,8 +78,7 @@ impl Candidates {
             right: Aabb::EMPTY,
         };
         Box::new(Candidates {
-            boxes: [BinBox::EMPTY; MAX_BINS],
-            counts: [0; MAX_BINS],
+            bins: [Bins::EMPTY; 3],
             suffix: [BinBox::EMPTY; MAX_BINS],
             pairs: [nothing; MAX_CANDIDATES],
             cuts: [(Cut::Halves, 0); MAX_CANDIDATES],
@@ -95,22 +93,24 @@ impl Candidates {
         self.len += 1;
     }
 
-    /// The candidates between `bins` filled bins of one axis; those with an empty side are left out,
-    /// and so are repetitions where a bin is empty.
-    fn sweep(&mut self, binning: Binning, bins: usize, items: usize) {
+    /// The candidates between the bins of one axis; those with an empty side are left out, and so are
+    /// repetitions where a bin is empty.
+    fn sweep(&mut self, place: usize, binning: Binning, items: usize) {
+        let bins = binning.bins();
         let mut right = BinBox::EMPTY;
         for j in (1..bins).rev() {
-            right = right.merged(&self.boxes[j]);
+            right = right.merged(&self.bins[place].boxes[j]);
             self.suffix[j] = right;
         }
         let mut left = BinBox::EMPTY;
         let mut left_count = 0;
         for j in 0..bins - 1 {
-            if self.counts[j] == 0 {
+            let count = self.bins[place].counts[j] as usize;
+            if count == 0 {
                 continue;
             }
-            left = left.merged(&self.boxes[j]);
-            left_count += self.counts[j] as usize;
+            left = left.merged(&self.bins[place].boxes[j]);
+            left_count += count;
             if left_count == items {
                 break;
             }
@@ -210,19 +210,17 @@ impl Divide<'_> {
                 best
             }
         });
-        for axis in 0..3 {
-            let tried = axis == longest || (self.parameters.axes == Axes::All && bins > 2);
-            if !tried || extent[axis] <= 0.0 || node.depth >= MAX_DEPTH {
-                continue;
-            }
-            let binning = Binning::new(&node.bounds, axis, bins);
-            self.counters.binned_triangles += items.len() as u64;
-            let c = &mut *self.candidates;
-            c.boxes[..bins].fill(BinBox::EMPTY);
-            c.counts[..bins].fill(0);
+        let all = self.parameters.axes == Axes::All && bins > 2;
+        let axes = if all { 0..3 } else { longest..longest + 1 };
+        let binnings = [0, 1, 2].map(|axis| Binning::new(&node.bounds, axis, bins));
+        if extent[longest] > 0.0 && node.depth < MAX_DEPTH {
+            let binnings = &binnings[axes];
+            self.counters.binned_triangles += (binnings.len() * items.len()) as u64;
             // SAFETY: the processor was checked.
-            unsafe { (self.kernels.bin)(items, &binning, &mut c.boxes, &mut c.counts) };
-            c.sweep(binning, bins, items.len());
+            unsafe { (self.kernels.bin)(items, binnings, &mut self.candidates.bins) };
+            for (place, &binning) in binnings.iter().enumerate() {
+                self.candidates.sweep(place, binning, items.len());
+            }
         }
         if self.candidates.len == 0 {
             let (left, right) = items.split_at(items.len() / 2);

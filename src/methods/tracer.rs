@@ -154,8 +154,7 @@ impl Tracer {
         let mut rays = Rays {
             active,
             scratch,
-            direction: [0, 1, 2].map(|axis| batch.direction[axis].as_ptr()),
-            tmin: batch.tmin.as_ptr(),
+            directions: workspace.directions.as_mut_ptr(),
             t,
             prim: prim.unwrap_or(std::ptr::null_mut()),
             // SAFETY: `Kernels::of` has checked the processor; so for all that follow.

@@ -6,10 +6,12 @@ use crate::rays::active::ActiveRays;
 
 /// Memory for traces of up to a number of rays and triangles; reused from trace to trace.
 ///
-/// [`Workspace::bytes`] is 88 a ray + 64 a triangle + a constant of about 1.3 MB (exactly: see
+/// [`Workspace::bytes`] is 104 a ray + 64 a triangle + a constant of about 1.3 MB (exactly: see
 /// [`Workspace::bytes_for`]). A trace allocates nothing beyond it.
 pub struct Workspace {
     pub(super) active: ActiveRays,
+    /// Direction and tmin of each ray.
+    pub(super) directions: Vec<[f32; 4]>,
     /// Best t so far of any-hit rays.
     pub(super) t: Vec<f32>,
     pub(super) items: Vec<Item>,
@@ -27,6 +29,7 @@ impl Workspace {
         assert!(rays < 1 << 31, "a batch has fewer than 2^31 rays");
         Workspace {
             active: ActiveRays::new(rays),
+            directions: vec![[0.0; 4]; rays],
             t: vec![0.0; rays],
             items: vec![Item::ZERO; triangles],
             item_scratch: vec![Item::ZERO; triangles],
@@ -44,7 +47,7 @@ impl Workspace {
     /// the rays up to a multiple of 16.
     pub fn bytes_for(rays: usize, triangles: usize) -> usize {
         ActiveRays::bytes(rays)
-            + rays * size_of::<f32>()
+            + rays * size_of::<[f32; 5]>()
             + 2 * triangles * size_of::<Item>()
             + size_of::<Candidates>()
             + size_of::<Samples>()

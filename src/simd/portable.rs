@@ -44,6 +44,10 @@ impl Lanes for Portable {
             }
         })
     }
+    #[inline(always)]
+    unsafe fn gather4(base: *const f32, index: Self::U) -> [Self::F; 4] {
+        from_fn(|k| from_fn(|i| unsafe { *base.add(4 * index[i] as usize + k) }))
+    }
 
     #[inline(always)]
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F {
