@@ -198,3 +198,18 @@ pub(crate) fn unite(items: &[Item]) -> BinBox {
     items.iter().for_each(|item| bounds.add(item));
     bounds
 }
+
+/// The extent of the triangles' centres (those of their boxes), doubled.
+#[inline(always)]
+pub(crate) fn spread_of_centers(items: &[Item]) -> Vec3 {
+    let mut lo = [f32::INFINITY; 4];
+    let mut hi = [f32::NEG_INFINITY; 4];
+    for item in items {
+        for axis in 0..4 {
+            let c = item.0[axis] - item.0[axis + 4];
+            lo[axis] = if c < lo[axis] { c } else { lo[axis] };
+            hi[axis] = if c > hi[axis] { c } else { hi[axis] };
+        }
+    }
+    Vec3::new(hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2])
+}

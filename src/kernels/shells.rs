@@ -35,6 +35,7 @@ pub(crate) struct Kernels {
     pub bin: unsafe fn(&[Item], &[Binning], &mut [Bins; 3]),
     pub partition: unsafe fn(&mut [Item], &mut [Item], &Binning, usize) -> usize,
     pub unite: unsafe fn(&[Item]) -> BinBox,
+    pub spread_of_centers: unsafe fn(&[Item]) -> Vec3,
     pub draw_samples: unsafe fn(&mut Samples, &Rays, List, Draw),
     pub count_samples: unsafe fn(&Samples, &Rays, &[Candidate], &mut [SampleCounts]),
     pub filter: unsafe fn(&Rays, List, &Aabb, Keep) -> usize,
@@ -88,6 +89,7 @@ macro_rules! shells {
                 bin,
                 partition,
                 unite,
+                spread_of_centers,
                 draw_samples,
                 count_samples,
                 filter,
@@ -132,6 +134,11 @@ macro_rules! shells {
             $(#[$feature])?
             unsafe fn unite(items: &[Item]) -> BinBox {
                 bins::unite(items)
+            }
+
+            $(#[$feature])?
+            unsafe fn spread_of_centers(items: &[Item]) -> Vec3 {
+                bins::spread_of_centers(items)
             }
 
             $(#[$feature])?

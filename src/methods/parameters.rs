@@ -43,6 +43,9 @@ pub enum OneRay {
 pub enum Axes {
     /// The longest of the node's box.
     Longest,
+    /// The one on which the triangles' centres are spread furthest, as in Wald 2007, from where the
+    /// paper has its bins.
+    Centers,
     /// All three, for three times the candidates.
     All,
 }

@@ -202,7 +202,11 @@ impl Divide<'_> {
     fn find_candidates(&mut self, node: &Node, bins: usize) {
         self.candidates.len = 0;
         let items = &self.items[node.from..node.to];
-        let extent = node.bounds.extent();
+        let extent = match self.parameters.axes {
+            // SAFETY: the processor was checked.
+            Axes::Centers => unsafe { (self.kernels.spread_of_centers)(items) },
+            Axes::Longest | Axes::All => node.bounds.extent(),
+        };
         let longest = (0..3).fold(0, |best, axis| {
             if extent[axis] > extent[best] {
                 axis
