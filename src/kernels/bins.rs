@@ -195,7 +195,9 @@ pub(crate) fn partition(
 #[inline(always)]
 pub(crate) fn unite(items: &[Item]) -> BinBox {
     let mut bounds = BinBox::EMPTY;
-    items.iter().for_each(|item| bounds.add(item));
+    for item in items {
+        bounds.add(item);
+    }
     bounds
 }
 
