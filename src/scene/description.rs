@@ -25,6 +25,7 @@
 
 use super::nearest::no_such;
 use super::{SceneError, generators};
+use crate::geometry::COORDINATE_LIMIT;
 use glam::DVec3;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -49,26 +50,22 @@ pub const RAY_TYPES: [&str; 15] = [
 ];
 
 /// The content of a scene's JSON file; see the [module](self) for the format.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// One line for lists of scenes; may be empty.
-    #[serde(default)]
     pub about: String,
     /// At least one.
     pub meshes: Vec<MeshSource>,
     /// At least one; the first is the default.
     pub cameras: Vec<Camera>,
     /// May be empty.
-    #[serde(default)]
     pub lights: Vec<Light>,
     /// Names out of [`RAY_TYPES`].
     pub rays: Vec<String>,
 }
 
 /// Where the triangles of a mesh come from.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(try_from = "MeshKeys")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MeshSource {
     /// A mesh file, found by [`locate`](super::locate).
     File(PathBuf),
@@ -110,7 +107,20 @@ pub enum Light {
     },
 }
 
-/// The keys of a mesh as they stand in the file.
+/// The keys of the file as they stand in it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    #[serde(default)]
+    about: String,
+    meshes: Vec<MeshKeys>,
+    cameras: Vec<Camera>,
+    #[serde(default)]
+    lights: Vec<Light>,
+    rays: Vec<String>,
+}
+
+/// The keys of a mesh: those of one kind or those of the other.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MeshKeys {
@@ -120,30 +130,16 @@ struct MeshKeys {
     seed: Option<u64>,
 }
 
-impl TryFrom<MeshKeys> for MeshSource {
-    type Error = &'static str;
-
-    fn try_from(keys: MeshKeys) -> Result<MeshSource, &'static str> {
-        match keys {
-            MeshKeys {
-                file: Some(file),
-                generator: None,
-                triangles: None,
-                seed: None,
-            } => Ok(MeshSource::File(file)),
-            MeshKeys {
-                file: None,
-                generator: Some(name),
-                triangles: Some(triangles),
-                seed: Some(seed),
-            } => Ok(MeshSource::Generator {
+impl MeshKeys {
+    fn source(self) -> Option<MeshSource> {
+        match (self.file, self.generator, self.triangles, self.seed) {
+            (Some(file), None, None, None) => Some(MeshSource::File(file)),
+            (None, Some(name), Some(triangles), Some(seed)) => Some(MeshSource::Generator {
                 name,
                 triangles,
                 seed,
             }),
-            _ => Err(
-                "expected a mesh of the key `file` alone, or of `generator`, `triangles` and `seed`",
-            ),
+            _ => None,
         }
     }
 }
@@ -167,15 +163,32 @@ impl Description {
     /// # Errors
     /// As [`Description::load`].
     pub fn parse(file: &Path, text: &[u8]) -> Result<Description, SceneError> {
-        let description: Description =
+        let invalid = |(key, problem)| SceneError::Invalid {
+            file: file.to_owned(),
+            key,
+            problem,
+        };
+        let keys: Keys =
             serde_json::from_slice(text).map_err(|error| SceneError::json(file, &error))?;
-        description
-            .check()
-            .map_err(|(key, problem)| SceneError::Invalid {
-                file: file.to_owned(),
-                key,
-                problem,
-            })?;
+        let mut meshes = Vec::new();
+        for (i, mesh) in keys.meshes.into_iter().enumerate() {
+            meshes.push(mesh.source().ok_or_else(|| {
+                invalid((
+                    format!("meshes[{i}]"),
+                    "expected the key `file`, or the keys `generator`, `triangles` and `seed`, \
+                     found others or too few"
+                        .to_owned(),
+                ))
+            })?);
+        }
+        let description = Description {
+            about: keys.about,
+            meshes,
+            cameras: keys.cameras,
+            lights: keys.lights,
+            rays: keys.rays,
+        };
+        description.check().map_err(invalid)?;
         Ok(description)
     }
 
@@ -294,12 +307,11 @@ impl Camera {
 }
 
 fn check_point(point: &[f64; 3]) -> Result<(), String> {
-    let limit = f64::from(crate::geometry::COORDINATE_LIMIT);
-    if point.iter().all(|x| x.abs() < limit) {
+    if point.iter().all(|x| x.abs() < f64::from(COORDINATE_LIMIT)) {
         Ok(())
     } else {
         Err(format!(
-            "expected numbers smaller in size than {limit:e}, found {point:?}"
+            "expected numbers smaller in size than {COORDINATE_LIMIT:e}, found {point:?}"
         ))
     }
 }

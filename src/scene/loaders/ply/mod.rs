@@ -53,9 +53,12 @@ fn fan(face: &Face, vertices: usize, out: &mut Vec<[u32; 3]>) -> Result<(), Stri
             let index: i64 = list[i].into();
             match u32::try_from(index) {
                 Ok(n) if (n as usize) < vertices => Ok(n),
+                _ if vertices == 0 => Err(format!(
+                    "expected a vertex index, but there are no vertices, found {index}"
+                )),
                 _ => Err(format!(
                     "expected a vertex index from 0 to {}, found {index}",
-                    vertices as i64 - 1
+                    vertices - 1
                 )),
             }
         };
