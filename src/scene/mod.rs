@@ -215,7 +215,8 @@ impl SceneError {
             file: file.to_owned(),
             line,
             column,
-            problem: text.strip_suffix(&place).unwrap_or(&text).to_owned(),
+            // It may quote a key with a line break in it.
+            problem: (text.strip_suffix(&place).unwrap_or(&text)).replace(char::is_control, " "),
         }
     }
 }
