@@ -26,7 +26,6 @@
 use super::nearest::no_such;
 use super::{SceneError, generators};
 use crate::geometry::COORDINATE_LIMIT;
-use glam::DVec3;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -212,7 +211,7 @@ impl Description {
         for (i, camera) in self.cameras.iter().enumerate() {
             camera
                 .check()
-                .map_err(|(key, problem)| (format!("cameras[{i}].{key}"), problem))?;
+                .map_err(|(key, problem)| (format!("cameras[{i}]{key}"), problem))?;
             if self.cameras[..i].iter().any(|c| c.name == camera.name) {
                 return Err((
                     format!("cameras[{i}].name"),
@@ -260,49 +259,19 @@ impl Camera {
     /// Looks for values that make no camera; returns the key and what is wrong with it.
     fn check(&self) -> Result<(), (&'static str, String)> {
         if self.name.is_empty() {
-            return Err(("name", "expected a name, found \"\"".to_owned()));
+            return Err((".name", "expected a name, found \"\"".to_owned()));
         }
-        check_point(&self.eye).map_err(|problem| ("eye", problem))?;
-        check_point(&self.look_at).map_err(|problem| ("look_at", problem))?;
-        check_point(&self.up).map_err(|problem| ("up", problem))?;
-
-        let view = DVec3::from(self.look_at) - DVec3::from(self.eye);
-        let up = DVec3::from(self.up);
-        if view == DVec3::ZERO {
-            return Err((
-                "look_at",
-                format!(
-                    "expected another point than the eye, found {:?}",
-                    self.look_at
-                ),
-            ));
-        }
-        if up == DVec3::ZERO {
-            return Err(("up", format!("expected a direction, found {:?}", self.up)));
-        }
-        // The sine of the angle between them; below a millionth the picture's axes are noise.
-        let sine = view.normalize().cross(up.normalize()).length();
-        // NaN, from vectors too short to have a length, is no angle either.
-        if sine.is_nan() || sine <= 1e-6 {
-            return Err((
-                "up",
-                format!(
-                    "expected a direction not parallel to the view (look_at - eye = {:?}), found {:?}",
-                    view.to_array(),
-                    self.up
-                ),
-            ));
-        }
-        if !(self.fov_degrees > 0.0 && self.fov_degrees < 180.0) {
-            return Err((
-                "fov_degrees",
-                format!(
-                    "expected more than 0 and less than 180, found {}",
-                    self.fov_degrees
-                ),
-            ));
-        }
-        Ok(())
+        check_point(&self.eye).map_err(|problem| (".eye", problem))?;
+        check_point(&self.look_at).map_err(|problem| (".look_at", problem))?;
+        check_point(&self.up).map_err(|problem| (".up", problem))?;
+        crate::workloads::Camera::new(
+            self.eye.into(),
+            self.look_at.into(),
+            self.up.into(),
+            self.fov_degrees,
+        )
+        .map(|_| ())
+        .map_err(|error| ("", error.to_string()))
     }
 }
 
