@@ -76,10 +76,20 @@ where
 fn check_mesh(bytes: &[u8], allowance: usize) -> TestCaseResult {
     let live = LIVE.get();
     PEAK.set(live);
-    let start = Instant::now();
-    let result = mesh_from_bytes(Path::new("mesh"), bytes);
-    let (elapsed, peak) = (start.elapsed(), PEAK.get() - live);
-    prop_assert!(elapsed < Duration::from_secs(5), "took {elapsed:?}");
+    let load = || {
+        let start = Instant::now();
+        let result = mesh_from_bytes(Path::new("mesh"), bytes);
+        (result, start.elapsed())
+    };
+    let (result, mut elapsed) = load();
+    let peak = PEAK.get() - live;
+    // A busy machine may stall any one run, but a file that is slow to load is slow every time.
+    for _ in 0..2 {
+        if elapsed > SLOW {
+            elapsed = elapsed.min(load().1);
+        }
+    }
+    prop_assert!(elapsed <= SLOW, "took {elapsed:?}, the least of three");
     let most = allowance + 200 * bytes.len();
     prop_assert!(peak <= most as isize, "allocated {peak} bytes");
     match result {
@@ -96,6 +106,8 @@ fn check_mesh(bytes: &[u8], allowance: usize) -> TestCaseResult {
     Ok(())
 }
 
+/// No file of these sizes takes longer, with room for a slow machine.
+const SLOW: Duration = Duration::from_secs(2);
 /// `ply-rs-bw` sets up to 65,536 list items aside for a list that is not there.
 const PLAIN: usize = 4 << 20;
 /// Files that unpack to 64 MiB or less are unpacked before anything is looked at.
