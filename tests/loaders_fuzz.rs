@@ -60,6 +60,8 @@ where
         let mut runner = TestRunner::new(Config {
             cases,
             failure_persistence: None,
+            // Else a file that is slow to load is made smaller for hours.
+            max_shrink_time: 10_000,
             ..Config::default()
         });
         match runner.run(&strategy, &test) {
@@ -380,17 +382,21 @@ fn binary_ply_of_random_rows() {
         .prop_map(|(name, count, properties)| {
             format!("element {name} {count}\n{}", properties.concat())
         });
+    let count = || prop_oneof![4 => 0..5u64, 1 => select(vec![4_000_000_000, u64::MAX / 16])];
     let header = (
         select(vec!["ascii", "binary_little_endian", "binary_big_endian"]),
         prop::collection::vec(element, 0..4),
         any::<bool>(),
+        (count(), count()),
     )
-        .prop_map(|(format, elements, complete)| {
+        .prop_map(|(format, elements, complete, (vertices, faces))| {
             let complete = if complete {
-                "element vertex 3\nproperty char x\nproperty char y\nproperty char z\n\
-                 element face 2\nproperty list uchar uchar vertex_index\n"
+                format!(
+                    "element vertex {vertices}\nproperty char x\nproperty char y\nproperty char z\n\
+                     element face {faces}\nproperty list uchar uchar vertex_index\n"
+                )
             } else {
-                ""
+                String::new()
             };
             format!(
                 "ply\nformat {format} 1.0\n{complete}{}end_header\n",
