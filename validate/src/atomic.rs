@@ -31,30 +31,16 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io:
         // Temporary files are private by default; less what umask takes, these are not.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    // tempfile adds the path of its temporary file to errors, which would only confuse.
-    let plain = |e: io::Error| match e.raw_os_error().or_else(|| raw_cause(&e)) {
-        Some(code) => io::Error::from_raw_os_error(code),
-        None => e,
-    };
-    let mut file = builder.tempfile_in(folder).map_err(plain)?;
+    let mut file = builder.tempfile_in(folder).map_err(without_path)?;
     fill(file.as_file_mut())?;
-    file.persist(path).map_err(|e| plain(e.error))?;
+    file.persist(path).map_err(|e| e.error)?;
     Ok(())
 }
 
-/// The operating system's code of an error that wraps another one.
-fn raw_cause(error: &io::Error) -> Option<i32> {
-    let mut cause: Option<&(dyn std::error::Error + 'static)> = error
-        .get_ref()
-        .map(|e| e as &(dyn std::error::Error + 'static));
-    while let Some(e) = cause {
-        if let Some(code) = e
-            .downcast_ref::<io::Error>()
-            .and_then(io::Error::raw_os_error)
-        {
-            return Some(code);
-        }
-        cause = e.source();
+/// tempfile adds the path of its temporary file to errors, which would only confuse.
+fn without_path(error: io::Error) -> io::Error {
+    match error.to_string().split_once(" at path ") {
+        Some((plain, _)) => io::Error::new(error.kind(), plain),
+        None => error,
     }
-    None
 }

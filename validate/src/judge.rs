@@ -35,6 +35,11 @@ impl Answers<'_> {
         self.len() == 0
     }
 
+    /// Whether these are nearest hits.
+    pub fn is_nearest(&self) -> bool {
+        matches!(self, Answers::Nearest(_))
+    }
+
     /// The answer for ray `i`.
     ///
     /// # Panics

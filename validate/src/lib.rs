@@ -2,8 +2,12 @@
 
 pub mod atomic;
 pub mod bounds;
+pub mod diff;
 pub mod embree;
+pub mod hash;
 pub mod json_float;
 pub mod judge;
+pub mod machine;
 pub mod npy;
+pub mod results;
 pub mod statistics;

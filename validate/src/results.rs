@@ -1,0 +1,290 @@
+//! The result document of a run: one JSON file, its reading, writing and resuming.
+
+use crate::diff::Diff;
+use crate::machine::{Machine, Software};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// The version of the document that this program writes and reads.
+pub const SCHEMA: u32 = 1;
+
+/// One run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Document {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Where it ran.
+    pub machine: Machine,
+    /// What ran.
+    pub software: Software,
+    /// Seed of all random choices.
+    pub seed: u64,
+    /// Threads of a trace.
+    pub threads: usize,
+    /// The command line, one string an argument.
+    pub command: Vec<String>,
+    /// What was measured.
+    pub cells: Vec<Cell>,
+}
+
+/// One scene × camera × size × ray type × method × parameters.
+///
+/// Times are `None` unless the validation of the same hits passed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Which cell this is.
+    #[serde(flatten)]
+    pub key: CellKey,
+    /// Triangles, dropped ones included.
+    pub triangles: usize,
+    /// Triangles with a NaN, an infinite or a too large coordinate.
+    pub dropped_triangles: usize,
+    /// Rays of the batch, invalid ones included.
+    pub ray_count: usize,
+    /// Rays that miss because they are invalid.
+    pub invalid_rays: u64,
+    /// See [`crate::hash::ray_hash`].
+    pub ray_hash: String,
+    /// Whether rays stop at any hit.
+    pub any_hit: bool,
+    /// Whether the batch was traced as one with a shared origin.
+    pub shared_origin: bool,
+    /// Milliseconds of each repeat.
+    pub samples_ms: Option<Vec<f64>>,
+    /// Their median.
+    pub median_ms: Option<f64>,
+    /// Million rays a second, of the median.
+    pub mrays_per_s: Option<f64>,
+    /// Time of `afra2012` over ours; `None` without `afra2012` in the run.
+    pub acceleration_ratio: Option<f64>,
+    /// Its 95 % bootstrap interval.
+    pub acceleration_interval: Option<[f64; 2]>,
+    /// A flat object of integers.
+    pub counters: Map<String, Value>,
+    /// Size of the workspace.
+    pub workspace_bytes: usize,
+    /// Rays that hit something.
+    pub hits: usize,
+    /// See [`crate::hash::hit_hash`].
+    pub hit_hash: String,
+    /// Validation.
+    pub diff: Diff,
+    /// Embree's times on the same rays.
+    pub embree: Option<EmbreeTimes>,
+    /// `embree.best_ms / median_ms`.
+    pub ratio_embree_total: Option<f64>,
+    /// Its 95 % bootstrap interval.
+    pub ratio_embree_total_interval: Option<[f64; 2]>,
+    /// `embree.best_trace_ms / median_ms`.
+    pub ratio_embree_trace: Option<f64>,
+    /// Its 95 % bootstrap interval.
+    pub ratio_embree_trace_interval: Option<[f64; 2]>,
+}
+
+/// What names a cell: equal keys, same rays and same work.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellKey {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the camera.
+    pub camera: String,
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Name of the ray type.
+    pub rays: String,
+    /// Name of the method.
+    pub method: String,
+    /// Name of the precision.
+    pub precision: String,
+    /// All parameters of the method.
+    pub parameters: Map<String, Value>,
+}
+
+/// Embree on the rays of a cell. Keys: of `build_ms` the quality; of the traces quality and query.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EmbreeTimes {
+    /// Least of median build + median trace.
+    pub best_ms: f64,
+    /// Least median trace.
+    pub best_trace_ms: f64,
+    /// Medians of the builds.
+    pub build_ms: BTreeMap<String, f64>,
+    /// Medians of the traces.
+    pub trace_ms: BTreeMap<String, f64>,
+    /// All samples, of builds and of traces.
+    pub samples_ms: BTreeMap<String, Vec<f64>>,
+    /// The least median trace without filling Embree's ray structures and reading hits back.
+    pub trace_prepacked_ms: f64,
+    /// Memory of the scene in Embree.
+    pub bytes: usize,
+}
+
+/// Why a result file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultError {
+    /// The operating system refuses.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The operating system refuses.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Not JSON, or not the JSON of a result.
+    #[error("{}: is not a result file: {source}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What and at which line and column.
+        source: serde_json::Error,
+    },
+    /// Written by another version of this program.
+    #[error("{}: has schema {found}, this program reads schema {SCHEMA}", path.display())]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema.
+        found: u64,
+    },
+    /// Cells of two runs that cannot stand side by side.
+    #[error(
+        "{}: cannot be resumed: its {what} is {found}, here it is {here}; give another --out",
+        path.display()
+    )]
+    Mismatch {
+        /// The file.
+        path: PathBuf,
+        /// Name of what differs.
+        what: &'static str,
+        /// In the file.
+        found: String,
+        /// In this run.
+        here: String,
+    },
+}
+
+impl Document {
+    /// Reads a result file, plain or gzip (told by its first bytes, not by its name).
+    ///
+    /// # Errors
+    /// If it cannot be read, or is not a result file of this [`SCHEMA`].
+    pub fn read(path: &Path) -> Result<Document, ResultError> {
+        let read = |source| ResultError::Read {
+            path: path.to_owned(),
+            source,
+        };
+        let bytes = fs::read(path).map_err(read)?;
+        let mut text = Vec::new();
+        let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
+            flate2::bufread::MultiGzDecoder::new(&bytes[..])
+                .read_to_end(&mut text)
+                .map_err(read)?;
+            text
+        } else {
+            bytes
+        };
+        let json = |source| ResultError::Json {
+            path: path.to_owned(),
+            source,
+        };
+        // The schema first: a file of another one may lack keys, and that is not what is wrong.
+        #[derive(Deserialize)]
+        struct Version {
+            schema: u64,
+        }
+        let Version { schema } = serde_json::from_slice(&bytes).map_err(json)?;
+        if schema != SCHEMA as u64 {
+            return Err(ResultError::Schema {
+                path: path.to_owned(),
+                found: schema,
+            });
+        }
+        serde_json::from_slice(&bytes).map_err(json)
+    }
+
+    /// Writes the file whole or not at all: to a temporary file beside it, which is then renamed.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), ResultError> {
+        crate::atomic::write(path, |file| {
+            let mut file = BufWriter::new(file);
+            serde_json::to_writer_pretty(&mut file, self)?;
+            file.write_all(b"\n")?;
+            file.flush()
+        })
+        .map_err(|source| ResultError::Write {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
+    /// Takes over the finished cells of an earlier run of the same program on the same machine
+    /// with the same seed and threads; a file that does not exist has none.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or its cells were made under other circumstances.
+    pub fn resume(&mut self, path: &Path) -> Result<(), ResultError> {
+        if !path.exists() {
+            return Ok(());
+        }
+        let earlier = Document::read(path)?;
+        let circumstances = |d: &Document| {
+            let software = &d.software;
+            let embree = software.embree.as_ref();
+            [
+                ("cpu", d.machine.cpu.clone()),
+                ("instruction set", d.machine.isa.clone()),
+                ("seed", d.seed.to_string()),
+                ("number of threads", d.threads.to_string()),
+                (
+                    "commit",
+                    software.commit.clone().unwrap_or("unknown".to_owned()),
+                ),
+                (
+                    "state of the source",
+                    format!("dirty: {:?}", software.dirty),
+                ),
+                ("compiler", software.rustc.clone()),
+                (
+                    "Embree",
+                    embree.map_or("none".to_owned(), |e| format!("{} {}", e.version, e.isa)),
+                ),
+            ]
+        };
+        for ((what, found), (_, here)) in
+            circumstances(&earlier).into_iter().zip(circumstances(self))
+        {
+            if found != here {
+                let path = path.to_owned();
+                return Err(ResultError::Mismatch {
+                    path,
+                    what,
+                    found,
+                    here,
+                });
+            }
+        }
+        self.cells = earlier.cells;
+        Ok(())
+    }
+
+    /// The cell of this key, if it is finished.
+    pub fn finished(&self, key: &CellKey) -> Option<&Cell> {
+        self.cells.iter().find(|cell| cell.key == *key)
+    }
+}
