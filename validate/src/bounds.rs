@@ -32,7 +32,7 @@
 //!   and u |t| for the division.
 //! * Box: (lo − o) · (1/d) and the multiplication by the padding factor are four roundings.
 //!
-//! All are multiplied by [`SLACK`] for terms of second order (where these can be large, N̂ holds
+//! All are multiplied by 1.001 for terms of second order (where these can be large, N̂ holds
 //! them already) and for the rounding of float64, 2⁻²⁹ of ours. Gradual underflow adds an absolute
 //! error of at most 2⁻¹⁵⁰ a product. An fma only leaves roundings out. Float64 itself neither
 //! overflows nor underflows: products of four float32 numbers stay within 10^±180. Where float32
@@ -52,7 +52,8 @@ const TINY: f64 = 1.0 / (1u128 << 100) as f64 / (1u64 << 49) as f64;
 /// Roundings in a padded slab distance (one more than there are, for the second order).
 const SLAB_ROUNDINGS: f64 = 5.0 * UNIT;
 
-/// Who computed a distance: decides how far from the exact one it may lie.
+/// Who computed a distance: decides how far from the exact one it may lie. Edges are judged by the
+/// bounds of the kernel of record, whoever answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kernel {
     /// The kernel of record of precision `fast`.
