@@ -24,9 +24,8 @@ pub fn main() {
     let mut watched: Vec<String> = ["build", "build.rs", "src", "../src", "../Cargo.toml"]
         .map(str::to_owned)
         .into();
-    for file in ["logs/HEAD", "index"] {
-        watched.extend(output("git", &["rev-parse", "--git-path", file]));
-    }
+    // Written by each commit and checkout.
+    watched.extend(output("git", &["rev-parse", "--git-path", "logs/HEAD"]));
     // Cargo runs a build script each time if a file that it watches does not exist.
     for path in watched.iter().filter(|path| Path::new(path).exists()) {
         println!("cargo::rerun-if-changed={path}");
@@ -34,7 +33,10 @@ pub fn main() {
 }
 
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
-    let output = Command::new(program).args(arguments).output().ok()?;
+    let mut command = Command::new(program);
+    // A look at the state must not write to the repository.
+    command.args(arguments).env("GIT_OPTIONAL_LOCKS", "0");
+    let output = command.output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output.status.success().then(|| text.trim().to_owned())
 }

@@ -43,12 +43,12 @@ use glam::DVec3;
 
 /// Unit roundoff of float32.
 pub const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
-/// Relative padding of a slab interval, as in the engine: near · (1 − p), far · (1 + p).
-pub const BOX_PADDING: f64 = 1.0 / (1u64 << 18) as f64;
 /// Covers terms of second order and the rounding of float64.
 const SLACK: f64 = 1.001;
 /// Two products that underflow: 2 · 2⁻¹⁵⁰.
 const TINY: f64 = 1.0 / (1u128 << 100) as f64 / (1u64 << 49) as f64;
+/// Relative padding of a slab interval: near · (1 − p), far · (1 + p).
+const BOX_PADDING: f64 = dacrt::PADDING as f64;
 /// Roundings in a padded slab distance (one more than there are, for the second order).
 const SLAB_ROUNDINGS: f64 = 5.0 * UNIT;
 

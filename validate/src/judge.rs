@@ -6,7 +6,7 @@
 //! rounding within the bounds of the kernel of record leads to it.
 
 use crate::bounds::{Kernel, Pair, UNIT};
-use dacrt::rays::MISS;
+use dacrt::MISS;
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
 use glam::DVec3;
 use rayon::prelude::*;

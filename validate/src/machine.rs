@@ -22,7 +22,7 @@ pub struct Machine {
 
 impl Machine {
     /// Asks the operating system.
-    pub fn here(isa: &str, mxcsr: Option<u32>) -> Machine {
+    pub fn here(isa: &str) -> Machine {
         let system = System::new_with_specifics(
             RefreshKind::nothing()
                 .with_cpu(CpuRefreshKind::nothing())
@@ -38,7 +38,7 @@ impl Machine {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             memory_bytes: system.total_memory(),
             load: [load.one, load.five, load.fifteen],
-            mxcsr,
+            mxcsr: crate::embree::mxcsr(),
         }
     }
 }
@@ -68,6 +68,16 @@ pub struct Embree {
     pub isa: String,
     /// File name of the library.
     pub library: String,
+}
+
+impl From<&crate::embree::Info> for Embree {
+    fn from(info: &crate::embree::Info) -> Embree {
+        Embree {
+            version: info.version.clone(),
+            isa: info.isa.clone(),
+            library: info.library.clone(),
+        }
+    }
 }
 
 impl Software {

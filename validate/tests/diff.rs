@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Form, any, nearest, rays, soup};
-use dacrt::rays::MISS;
+use dacrt::MISS;
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
 use dacrt_validate::diff::{Checker, Diff, ReferenceDiff};
 use dacrt_validate::hash::hit_hash;

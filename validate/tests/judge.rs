@@ -3,7 +3,7 @@
 mod common;
 
 use common::{FORMS, Form, any, nearest, point, rays, soup};
-use dacrt::rays::MISS;
+use dacrt::MISS;
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
 use dacrt_validate::bounds::Kernel;
 use dacrt_validate::judge::{Answers, Judge, Verdict, Wrong};

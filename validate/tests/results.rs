@@ -111,7 +111,7 @@ fn cell(method: &str) -> Cell {
 fn document() -> Document {
     Document {
         schema: SCHEMA,
-        machine: Machine::here("avx2", Some(0x1f80)),
+        machine: Machine::here("avx2"),
         software: Software::this(Some(Embree {
             version: "4.4.0".into(),
             isa: "avx2".into(),

@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // Not every test file uses all of it.
 
-use dacrt::rays::MISS;
+use dacrt::MISS;
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
 use fastrand::Rng;
 use glam::Vec3;
