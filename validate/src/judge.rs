@@ -440,3 +440,84 @@ fn sweep_lanes(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fastrand::Rng;
+    use glam::Vec3;
+
+    /// Triangles of all shapes, and rays of which many pass close by.
+    fn scene(random: &mut Rng) -> (Vec<Triangle>, Vec<Ray>) {
+        let mut point = |size: i32| {
+            let component = |random: &mut Rng| random.f32() * 2.0 - 1.0;
+            let p = Vec3::from_array(std::array::from_fn(|_| component(random)));
+            p * 2.0_f32.powi(random.i32(-size..=0))
+        };
+        let triangles: Vec<Triangle> = (0..500)
+            .map(|i| {
+                let (a, long) = (point(2), point(8));
+                let needle = long * 0.4 + point(22);
+                let c = if i % 2 == 0 { a + needle } else { a + point(8) };
+                Triangle::new(a, a + long, c)
+            })
+            .collect();
+        let rays = (0..LANES)
+            .map(|i| {
+                let t = triangles[7 * i];
+                let target = t.a + (t.b - t.a) * 0.5 + point(24);
+                let d = if i % 3 == 0 {
+                    t.b - t.a + point(20)
+                } else {
+                    point(3)
+                };
+                Ray::new(target - 4.0 * d, d)
+            })
+            .collect();
+        (triangles, rays)
+    }
+
+    #[test]
+    fn the_first_pass_keeps_every_possible_pair_on_every_instruction_set() {
+        let mut random = Rng::with_seed(1);
+        let mut possible = 0;
+        for _ in 0..50 {
+            let (triangles, rays) = scene(&mut random);
+            let solid: Vec<u32> = (0..triangles.len() as u32)
+                .filter(|&i| can_be_hit(&triangles[i as usize]))
+                .collect();
+            let block = Block::new(&rays, |_| true);
+            let mut kept = Vec::new();
+            sweep(&block, &triangles, &solid, |lane, prim| {
+                kept.push((prim, lane))
+            });
+            let mut portable = Vec::new();
+            sweep_lanes(&block, &triangles, &solid, &mut |lane, prim| {
+                portable.push((prim, lane));
+            });
+            assert_eq!(kept, portable);
+            for &prim in &solid {
+                for (lane, ray) in rays.iter().enumerate() {
+                    if Pair::new(ray, &triangles[prim as usize]).possible {
+                        possible += 1;
+                        assert!(kept.binary_search(&(prim, lane)).is_ok(), "{prim} {ray:?}");
+                    }
+                }
+            }
+        }
+        assert!(possible > 1000, "{possible}");
+    }
+
+    #[test]
+    fn blocks_that_are_not_full_or_have_invalid_rays_keep_their_places() {
+        let mesh = Mesh::new(vec![Triangle::new(Vec3::X, Vec3::Y, Vec3::Z)]);
+        let hit = Ray::new(Vec3::ZERO, Vec3::ONE);
+        let invalid = Ray::new(Vec3::ZERO, Vec3::ZERO);
+        let found = Judge::new(&mesh).candidates(&[invalid, hit, Ray::new(Vec3::ZERO, -Vec3::X)]);
+        let counts: Vec<usize> = found
+            .iter()
+            .map(|c| c.as_ref().map_or(9, Vec::len))
+            .collect();
+        assert_eq!(counts[..2], [0, 1]);
+    }
+}
