@@ -515,7 +515,7 @@ fn what_cannot_be_is_said_clearly() {
     );
     assert!(camera(o, x, -2.0 * x, 60.0).contains("parallel to its view direction"));
     assert!(camera(o, x, o, 60.0).contains("up, [0, 0, 0], is zero"));
-    for fov in [0.0, -5.0, 180.0, f32::NAN, f32::INFINITY] {
+    for fov in [0.0, -5.0, 180.0, f64::NAN, f64::INFINITY] {
         assert!(camera(o, x, y, fov).contains("expected more than 0 and less than 180"));
     }
     assert_eq!(
@@ -523,7 +523,7 @@ fn what_cannot_be_is_said_clearly() {
         "the camera's eye is not finite in float32"
     );
     assert_eq!(
-        camera(o, x, y * f32::INFINITY, 60.0),
+        camera(o, x, y * f64::INFINITY, 60.0),
         "the camera's up is not finite in float32"
     );
     let light = Workload::new(
