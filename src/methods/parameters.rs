@@ -38,6 +38,9 @@ pub enum OneRay {
 }
 
 /// Which axes are binned. Nabata 2013 does not say.
+///
+/// It matters more than anything else here: on Crytek Sponza (1024², primary) the baseline takes 387
+/// million ray/box tests with [`Axes::Longest`], 109 with [`Axes::Centers`], 107 with [`Axes::All`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
@@ -156,7 +159,7 @@ impl Method {
             leaf_triangles: 8,
             leaf_rays: 16,
             bins: 32,
-            axes: Axes::Longest,
+            axes: Axes::Centers,
             sah_ratio: 1.5,
             one_ray: OneRay::AxisSign,
             cost: Cost::Sah,

@@ -307,8 +307,8 @@ impl Divide<'_> {
             (OneRay::AxisSign, Cut::Bins(binning, _)) => {
                 // SAFETY: the list is not empty.
                 let inverse = unsafe { *self.rays.active.inverse[binning.axis].add(active.start) };
-                // NaN, a direction of zero on this axis, goes left first.
-                !(inverse < 0.0)
+                // NaN: no direction on this axis.
+                inverse >= 0.0 || inverse.is_nan()
             }
             // SAFETY: the list is not empty.
             _ => unsafe { first_enters_left(&self.rays, active, pair) },
