@@ -8,6 +8,7 @@ pub mod hash;
 pub mod json_float;
 pub mod judge;
 pub mod machine;
+pub mod measure;
 pub mod npy;
 pub mod results;
 pub mod statistics;

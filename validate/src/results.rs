@@ -119,8 +119,9 @@ pub struct EmbreeTimes {
     pub trace_ms: BTreeMap<String, f64>,
     /// All samples, of builds and of traces.
     pub samples_ms: BTreeMap<String, Vec<f64>>,
-    /// The least median trace without filling Embree's ray structures and reading hits back.
-    pub trace_prepacked_ms: f64,
+    /// Medians without filling Embree's ray structures and reading hits back, for each query on
+    /// the quality that it is fastest on.
+    pub trace_prepacked_ms: BTreeMap<String, f64>,
     /// Memory of the scene in Embree.
     pub bytes: usize,
 }

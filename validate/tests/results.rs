@@ -98,7 +98,7 @@ fn cell(method: &str) -> Cell {
             build_ms: times(1.0),
             trace_ms: times(1.0),
             samples_ms: BTreeMap::from([("high".to_owned(), vec![1.0])]),
-            trace_prepacked_ms: 0.9,
+            trace_prepacked_ms: BTreeMap::from([("high_16".to_owned(), 0.9)]),
             bytes: 1000,
         }),
         ratio_embree_total: Some(6.0),

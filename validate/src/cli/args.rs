@@ -1,0 +1,254 @@
+//! The command line as typed. Nothing here touches the file system or knows what scenes there are:
+//! [`super::plan`] makes sense of it.
+
+use super::knobs::KnobLists;
+use super::size::{Resolution, Spp};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Traces ray batches by divide and conquer (DACRT), checks every hit against Embree 4, and
+/// measures both.
+#[derive(Parser)]
+#[command(
+    name = "dacrt",
+    version,
+    max_term_width = 100,
+    after_help = "\
+Examples:
+  dacrt run                                          the main job: three generated scenes and more
+  dacrt run --scenes sibenik,hall --resolution 1024 --rays primary,diffuse-1
+  dacrt render hall --what shaded,boxes
+  dacrt trace --mesh bunny.obj --rays rays.npy --method nabata2013 --out hits.npz
+  dacrt scenes
+
+Meshes are looked for beside the scene's description and in the folders of --meshes or
+DACRT_MESHES (colon-separated).
+
+Exit code: 0 all good; 1 a finding, such as a wrong hit; 2 usage, input or environment."
+)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Trace scenes with several methods, check every hit, measure, write a JSON file
+    Run(RunArgs),
+    /// Trace your own rays through your own mesh
+    Trace(TraceArgs),
+    /// Make pictures of a scene
+    Render(RenderArgs),
+    /// List the scenes and where their meshes are
+    Scenes(ScenesArgs),
+    /// Show the machine, the instruction sets, Embree and the mesh folders
+    Env(EnvArgs),
+}
+
+/// Where meshes are.
+#[derive(Args)]
+pub struct MeshArgs {
+    /// Folders to look for meshes in, colon-separated
+    #[arg(
+        long,
+        env = "DACRT_MESHES",
+        value_name = "FOLDERS",
+        hide_env_values = true
+    )]
+    pub meshes: Option<String>,
+}
+
+/// How the engine works.
+#[derive(Args)]
+pub struct EngineArgs {
+    /// Instruction set: avx512, avx2 or portable [default: the best that the processor has]
+    #[arg(long)]
+    pub isa: Option<String>,
+    /// Precision of the triangle test; `fast` is the only one so far
+    #[arg(long, default_value = "fast")]
+    pub precision: String,
+    /// Threads to trace with; 1 is the only number so far
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub threads: u32,
+    /// Seed of every random choice
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Lists are comma-separated. Each combination of scene, resolution, samples, ray type, method and
+method parameters is a cell; a parameter that a method lacks makes no cells of it.
+
+Without --scenes, hall, relief and soup (generated) and sibenik, conference and sponza (where
+their meshes are found) are traced, with 3 repeats unless --repeats says otherwise.
+
+Examples:
+  dacrt run --scenes sibenik,conference,sponza --resolution 1024 \\
+            --rays primary,diffuse-1,diffuse-2 --repeats 5 --out result.json
+  dacrt run --scenes sibenik --rays primary --samples 25,50,100,200 --threshold 0,1.5,3
+  dacrt run --scenes sibenik --resolution 512 --spp 64 --rays primary
+
+How to read the table: `vs afra2012` is the time of afra2012 over the time of this method, with
+its 95 % bootstrap interval, marked `<` if all of it is below 1; `vs Embree` is Embree's best time
+over the time of this method, build and trace together (total) and trace alone (trace). Above 1,
+this method is faster. `diff` has the rays that are wrong, or that float64 cannot show to be right
+within float32 rounding, over all on which our hits and those of either Embree mode differ. Any of
+the former makes the exit code 1, and the cell has no times. Slowest first.")]
+pub struct RunArgs {
+    /// Scenes to trace (see `dacrt scenes`) [default: hall,relief,soup,sibenik,conference,sponza]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub scenes: Option<Vec<String>>,
+    /// Ray types: primary, shadow-point, ambient-occlusion, diffuse-1 ... diffuse-8, random
+    /// [default: primary,shadow-point,diffuse-1, those that the scene is for]
+    #[arg(long, value_delimiter = ',', value_name = "TYPES")]
+    pub rays: Option<Vec<String>>,
+    /// Methods: afra2012, nabata2013
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "NAMES",
+        default_value = "afra2012,nabata2013"
+    )]
+    pub methods: Vec<String>,
+    /// Picture sizes in pixels
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "N|WxH",
+        default_value = "512"
+    )]
+    pub resolution: Vec<Resolution>,
+    /// Samples per pixel, square numbers
+    #[arg(long, value_delimiter = ',', value_name = "N", default_value = "1")]
+    pub spp: Vec<Spp>,
+    /// Measured repeats of each contestant [default: 5; 3 without --scenes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: Option<u32>,
+    /// Where the results go, as JSON
+    #[arg(long, value_name = "FILE", default_value = "dacrt-run.json")]
+    pub out: PathBuf,
+    /// Keep the finished cells of the file given by --out
+    #[arg(long)]
+    pub resume: bool,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
+    #[command(flatten)]
+    pub knobs: KnobLists,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+The rays are a little-endian float32 array [N, 8] in C order: ox oy oz tmin dx dy dz tmax; a hit
+lies at tmin < t <= tmax. The hits are written as `t` (float32) and `prim` (uint32, the number of
+the triangle in file order); a miss is t = +inf, prim = 4294967295. With --any-hit there is one
+array `occluded` (uint8) instead. Exit code 0 with or without hits.
+
+Example:
+  python3 -c \"import numpy as n; r = n.zeros((1000, 8), '<f4'); r[:, 2] = 9; r[:, 4:6] = \\
+      n.random.rand(1000, 2) - .5; r[:, 6] = -1; r[:, 7] = n.inf; n.save('rays.npy', r)\"
+  dacrt trace --mesh bunny.ply --rays rays.npy --method nabata2013 --out hits.npz")]
+pub struct TraceArgs {
+    /// Mesh: OBJ or PLY, plain or gzip
+    #[arg(long, value_name = "FILE")]
+    pub mesh: PathBuf,
+    /// Rays: .npy, float32 [N, 8]
+    #[arg(long, value_name = "FILE")]
+    pub rays: PathBuf,
+    /// Method: afra2012 or nabata2013
+    #[arg(long, value_name = "NAME")]
+    pub method: String,
+    /// Where the hits go: .npz
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Ask only whether each ray hits anything
+    #[arg(long)]
+    pub any_hit: bool,
+    /// Print what the traversal counted
+    #[arg(long)]
+    pub counters: bool,
+    #[command(flatten)]
+    pub engine: EngineArgs,
+    #[command(flatten)]
+    pub knobs: KnobLists,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum What {
+    Shaded,
+    Depth,
+    Prim,
+    Boxes,
+}
+
+impl What {
+    /// As on the command line and in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            What::Shaded => "shaded",
+            What::Depth => "depth",
+            What::Prim => "prim",
+            What::Boxes => "boxes",
+        }
+    }
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+shaded  grey surfaces in the light of the camera, the scene's point light (with shadows) and an
+        even sky (ambient occlusion)
+depth   distance, near is bright
+prim    a colour for each triangle
+boxes   ray/box tests a ray in false colour, from black (none) over blue, green and yellow to red
+        (the most there are): each tile of 8 x 8 pixels is traced as a batch of its own, so large
+        scenes take a while
+
+Examples:
+  dacrt render hall                                  hall-shaded.png
+  dacrt render sibenik --what shaded,prim,boxes --resolution 1280x720 --out pictures/")]
+pub struct RenderArgs {
+    /// Scene (see `dacrt scenes`)
+    pub scene: String,
+    /// What to show
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "shaded")]
+    pub what: Vec<What>,
+    /// Picture size in pixels
+    #[arg(long, value_name = "N|WxH", default_value = "512")]
+    pub resolution: Resolution,
+    /// Samples per pixel of the shaded picture, a square number
+    #[arg(long, value_name = "N", default_value = "16")]
+    pub spp: Spp,
+    /// A .png file (one picture), or a folder for SCENE-WHAT.png [default: this folder]
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// Method: afra2012 or nabata2013
+    #[arg(long, value_name = "NAME", default_value = "nabata2013")]
+    pub method: String,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
+    #[command(flatten)]
+    pub knobs: KnobLists,
+}
+
+#[derive(Args)]
+pub struct ScenesArgs {
+    /// Load every scene that is there, to count its triangles
+    #[arg(long)]
+    pub load: bool,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+}
+
+#[derive(Args)]
+pub struct EnvArgs {
+    /// Write JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+}

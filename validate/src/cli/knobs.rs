@@ -1,0 +1,324 @@
+//! The parameters of the methods as command-line options, and the grid that lists of values span.
+
+use anyhow::{Context, bail, ensure};
+use clap::{Arg, ArgMatches, Command};
+use dacrt::{Method, Parameters};
+use serde_json::{Map, Value};
+
+/// A field of [`Parameters`], `-` for `_`, and what it means.
+type Knob = (&'static str, &'static str);
+
+/// All fields, those with a name of their own in the papers first.
+const KNOBS: [Knob; 19] = [
+    ("bins", "Bins that a node's triangles are sorted into"),
+    ("samples", "Sample rays of a node"),
+    (
+        "threshold",
+        "Rays per triangle above which a node is split by the sampled cost",
+    ),
+    (
+        "skip",
+        "Intersection ratio above which a child gets all rays unfiltered; 1 never skips",
+    ),
+    ("min-rays", "Rays above which a node is sampled"),
+    ("leaf-triangles", "Triangles up to which a node is a leaf"),
+    ("leaf-rays", "Rays up to which a node is a leaf"),
+    (
+        "sah-ratio",
+        "Rays per triangle above which a node is split by surface area",
+    ),
+    ("axes", "Axes that are binned: longest, centers or all"),
+    (
+        "one-ray",
+        "How one ray decides the order of children: axis-sign or entry",
+    ),
+    (
+        "cost",
+        "Cost function where rays are sampled: sah or sampled",
+    ),
+    (
+        "order",
+        "Who decides the order of children: one-ray or sampled",
+    ),
+    ("draws", "How sample rays are drawn: strata or replacement"),
+    (
+        "sample-middle",
+        "Sample nodes that are split in the middle, too: true or false",
+    ),
+    (
+        "leaf-criterion",
+        "Skip by the costs of a leaf where the child is one: true or false",
+    ),
+    (
+        "box-cost",
+        "Cost of a ray/box over that of a ray/triangle test",
+    ),
+    (
+        "order-unbiased",
+        "Leave rays that decide nothing out of the order: true or false",
+    ),
+    (
+        "alpha-refresh",
+        "Estimate the second child's ratio after the first is done: true or false",
+    ),
+    (
+        "second-sample",
+        "Estimate the ratios by a second sample: true or false",
+    ),
+];
+
+/// The field that an option stands for.
+fn field(knob: &str) -> String {
+    knob.replace('-', "_")
+}
+
+/// All parameters by the names of their fields, floats in the fewest digits that tell them apart.
+fn fields(parameters: &Parameters) -> Map<String, Value> {
+    let text = serde_json::to_string(parameters).expect("numbers, words and truth values");
+    serde_json::from_str(&text).expect("JSON that was just made")
+}
+
+/// The parameters that the method has, by the names of their fields.
+pub fn own_fields(method: Method, parameters: &Parameters) -> Map<String, Value> {
+    let mut all = fields(parameters);
+    all.retain(|name, _| method.has(name));
+    all
+}
+
+/// The parameters with another value, as typed, for one of them.
+fn with(parameters: &Parameters, knob: &str, text: &str) -> anyhow::Result<Parameters> {
+    let mut all = fields(parameters);
+    // What is no number and no truth value is a word.
+    let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
+    all.insert(field(knob), value);
+    let changed: Parameters = serde_json::from_value(Value::Object(all))?;
+    changed.check()?;
+    // Beyond the largest float32.
+    ensure!(
+        !fields(&changed)[&field(knob)].is_null(),
+        "expected a finite number"
+    );
+    Ok(changed)
+}
+
+fn value_of(parameters: &Parameters, knob: &str) -> String {
+    match &fields(parameters)[&field(knob)] {
+        Value::String(word) => word.clone(),
+        value => value.to_string(),
+    }
+}
+
+/// Those methods that have the parameter.
+fn methods_with(knob: &str) -> impl Iterator<Item = Method> {
+    let field = field(knob);
+    Method::ALL.into_iter().filter(move |m| m.has(&field))
+}
+
+/// The values typed for each parameter; a parameter that was not typed has none.
+#[derive(Clone, Debug, Default)]
+pub struct KnobLists(Vec<(&'static str, Vec<String>)>);
+
+impl clap::Args for KnobLists {
+    fn augment_args(command: Command) -> Command {
+        let command = command.next_help_heading("Method parameters");
+        KNOBS.into_iter().fold(command, |command, (name, help)| {
+            let owners: Vec<Method> = methods_with(name).collect();
+            let preset = owners[0].parameters();
+            let default = value_of(&preset, name);
+            let only = match owners[..] {
+                [only] => format!("; {only} only"),
+                _ => String::new(),
+            };
+            command.arg(
+                Arg::new(name)
+                    .long(name)
+                    .value_name("VALUES")
+                    .value_delimiter(',')
+                    .value_parser(move |text: &str| {
+                        with(&preset, name, text).map(|_| text.to_owned())
+                    })
+                    .help(format!("{help} [default: {default}{only}]")),
+            )
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for KnobLists {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<KnobLists, clap::Error> {
+        let typed = KNOBS.iter().filter_map(|(name, _)| {
+            let values = matches.get_many::<String>(name)?;
+            Some((*name, values.cloned().collect()))
+        });
+        Ok(KnobLists(typed.collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl KnobLists {
+    /// The typed values of those parameters that `method` has.
+    fn of(&self, method: Method) -> impl Iterator<Item = &(&'static str, Vec<String>)> {
+        self.0
+            .iter()
+            .filter(move |(name, _)| method.has(&field(name)))
+    }
+
+    /// All combinations of the values that `method` has parameters for, the first parameter
+    /// changing slowest; its defaults for the rest.
+    pub fn grid(&self, method: Method) -> anyhow::Result<Vec<Parameters>> {
+        let mut grid = vec![method.parameters()];
+        for (name, values) in self.of(method) {
+            let mut wider: Vec<Parameters> = Vec::new();
+            for base in &grid {
+                for value in values {
+                    let parameters =
+                        with(base, name, value).with_context(|| format!("--{name}"))?;
+                    if !wider.contains(&parameters) {
+                        wider.push(parameters);
+                    }
+                }
+            }
+            grid = wider;
+        }
+        Ok(grid)
+    }
+
+    /// The one combination for `method`; lists and parameters that it lacks are errors.
+    pub fn single(&self, method: Method) -> anyhow::Result<Parameters> {
+        for (name, values) in &self.0 {
+            ensure!(
+                method.has(&field(name)),
+                "--{name}: {method} has no such parameter"
+            );
+            if values.len() > 1 {
+                bail!("--{name}: expected one value; lists are for `dacrt run`");
+            }
+        }
+        Ok(self.grid(method)?[0])
+    }
+
+    /// What tells `parameters` from the others of the same run: `name=value` of each parameter of
+    /// `method` that has more than one value.
+    pub fn label(&self, method: Method, parameters: &Parameters) -> String {
+        let varied = self.of(method).filter(|(_, values)| values.len() > 1);
+        let parts: Vec<String> = varied
+            .map(|(name, _)| format!("{name}={}", value_of(parameters, name)))
+            .collect();
+        parts.join(" ")
+    }
+}
+
+/// The parameters of the baseline that a cell of `method` is set against: the same values of the
+/// parameters that both methods have, the baseline's defaults for the rest. A cell of the baseline
+/// is itself set against the one with its own defaults.
+pub fn baseline_of(parameters: &Parameters) -> Parameters {
+    let common = KNOBS
+        .iter()
+        .filter(|(name, _)| methods_with(name).count() == Method::ALL.len());
+    common.fold(Method::Afra2012.parameters(), |baseline, (name, _)| {
+        with(&baseline, name, &value_of(parameters, name)).expect("a value that was valid before")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lists(typed: &[(&'static str, &[&str])]) -> KnobLists {
+        let own = |v: &[&str]| v.iter().map(|s| s.to_string()).collect();
+        KnobLists(typed.iter().map(|(n, v)| (*n, own(v))).collect())
+    }
+
+    #[test]
+    fn a_parameter_that_a_method_lacks_makes_no_cells_of_it() {
+        let typed = lists(&[("bins", &["16", "32"]), ("samples", &["50", "100", "200"])]);
+        assert_eq!(typed.grid(Method::Afra2012).unwrap().len(), 2);
+        let grid = typed.grid(Method::Nabata2013).unwrap();
+        assert_eq!(grid.len(), 6);
+        assert_eq!((grid[1].bins, grid[1].samples), (16, 100));
+        assert_eq!(
+            typed.label(Method::Nabata2013, &grid[5]),
+            "bins=32 samples=200"
+        );
+        assert_eq!(typed.label(Method::Afra2012, &grid[5]), "bins=32");
+    }
+
+    #[test]
+    fn equal_values_make_one_cell() {
+        assert_eq!(
+            lists(&[("skip", &["0.5", "0.50"])])
+                .grid(Method::Nabata2013)
+                .unwrap()
+                .len(),
+            1
+        );
+    }
+
+    #[test]
+    fn the_baseline_shares_what_both_have_and_nothing_else() {
+        let typed = lists(&[
+            ("bins", &["16"]),
+            ("samples", &["50"]),
+            ("sah-ratio", &["3"]),
+        ]);
+        let nabata = typed.grid(Method::Nabata2013).unwrap()[0];
+        let expected = Parameters {
+            bins: 16,
+            ..Method::Afra2012.parameters()
+        };
+        assert_eq!(baseline_of(&nabata), expected);
+        let afra = typed.grid(Method::Afra2012).unwrap()[0];
+        assert_eq!(afra.sah_ratio, 3.0);
+        assert_eq!(baseline_of(&afra), expected);
+    }
+
+    #[test]
+    fn one_trace_takes_one_value_of_what_its_method_has() {
+        let error = |typed: KnobLists, m| typed.single(m).unwrap_err().to_string();
+        assert!(error(lists(&[("bins", &["1", "2"])]), Method::Afra2012).contains("one value"));
+        assert!(
+            error(lists(&[("skip", &["1"])]), Method::Afra2012).contains("afra2012 has no such")
+        );
+    }
+
+    #[test]
+    fn every_field_is_an_option() {
+        let mut known: Vec<String> = KNOBS.iter().map(|(name, _)| field(name)).collect();
+        known.sort();
+        let mut all: Vec<String> = fields(&Method::Nabata2013.parameters())
+            .keys()
+            .cloned()
+            .collect();
+        all.sort();
+        assert_eq!(known, all);
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused() {
+        for (knob, value) in [
+            ("bins", "1"),
+            ("bins", "-3"),
+            ("bins", "2.5"),
+            ("samples", "0"),
+            ("skip", "-1"),
+            ("skip", "nan"),
+            ("threshold", "inf"),
+            ("threshold", "1e39"),
+            ("leaf-triangles", "0"),
+            ("leaf-rays", "x"),
+            ("leaf-rays", "null"),
+            ("axes", "some"),
+            ("sample-middle", "1"),
+        ] {
+            let parameters = Method::Nabata2013.parameters();
+            assert!(with(&parameters, knob, value).is_err(), "{knob} {value}");
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! The command line: [`args`] is what was typed, [`plan`] what it means, the rest does it.
+
+mod args;
+mod color;
+mod engine;
+mod env;
+mod knobs;
+mod picture;
+mod plan;
+mod render;
+mod run;
+mod scenes;
+mod shade;
+mod size;
+mod source;
+mod table;
+mod text;
+mod trace;
+
+use args::{Cli, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+/// How a command that came to its end went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// All good: exit code 0.
+    Good,
+    /// A finding, such as a wrong hit: exit code 1.
+    Finding,
+}
+
+/// Runs the command that the arguments ask for. Every error is a message and exit code 2.
+pub fn main() -> ExitCode {
+    // On a usage error clap writes its own message and exits with 2.
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Run(args) => run::run(&args),
+        Command::Render(args) => render::render(&args),
+        Command::Scenes(args) => scenes::scenes(&args),
+        Command::Trace(args) => trace::trace(&args),
+        Command::Env(args) => env::env(&args),
+    };
+    match result {
+        Ok(Verdict::Good) => ExitCode::SUCCESS,
+        Ok(Verdict::Finding) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! What the arguments mean: names looked up, descriptions read, meshes found, files proven
+//! writable, before any work starts.
+
+use super::args::{EngineArgs, RunArgs};
+use super::knobs::baseline_of;
+use super::size::{Resolution, Spp};
+use super::source::{SceneSource, View, mesh_folders};
+use super::text::thousands;
+use anyhow::{Context, bail, ensure};
+use dacrt::scene::no_such;
+use dacrt::workloads::{Film, RayType};
+use dacrt::{Isa, Method, Parameters};
+use dacrt_validate::machine::Machine;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// What `run` traces when it is not told, as far as the meshes are there.
+const DEFAULT_SCENES: [&str; 6] = ["hall", "relief", "soup", "sibenik", "conference", "sponza"];
+const DEFAULT_RAYS: [RayType; 3] = [RayType::Primary, RayType::ShadowPoint, RayType::Diffuse(1)];
+
+/// How the engine works.
+#[derive(Clone, Copy, Debug)]
+pub struct Engine {
+    pub isa: Isa,
+    pub seed: u64,
+}
+
+/// A method with its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contestant {
+    pub method: Method,
+    pub parameters: Parameters,
+    /// Tells it from others of the same method; may be empty.
+    pub label: String,
+    /// The place of the contestant that the acceleration ratio is against.
+    pub baseline: Option<usize>,
+}
+
+/// All that `run` has to do.
+pub struct RunPlan {
+    /// With the ray types to be traced in each.
+    pub scenes: Vec<(SceneSource, View, Vec<RayType>)>,
+    pub films: Vec<Film>,
+    pub contestants: Vec<Contestant>,
+    pub repeats: u32,
+    pub engine: Engine,
+    pub mesh_folders: Vec<PathBuf>,
+    pub out: PathBuf,
+    pub resume: bool,
+    pub warnings: Vec<String>,
+}
+
+impl RunPlan {
+    /// Makes sense of what was typed.
+    pub fn new(args: &RunArgs) -> anyhow::Result<RunPlan> {
+        let engine = engine(&args.engine)?;
+        let mesh_folders = mesh_folders(&args.meshes);
+        let mut warnings = Vec::new();
+
+        let mut contestants: Vec<Contestant> = Vec::new();
+        for name in distinct(&args.methods) {
+            let method = method(name)?;
+            for parameters in args.knobs.grid(method)? {
+                contestants.push(Contestant {
+                    method,
+                    parameters,
+                    label: args.knobs.label(method, &parameters),
+                    baseline: None,
+                });
+            }
+        }
+        let baselines: Vec<Option<usize>> = contestants
+            .iter()
+            .map(|c| {
+                let wanted = baseline_of(&c.parameters);
+                let is_it = |b: &Contestant| b.method == Method::Afra2012 && b.parameters == wanted;
+                contestants.iter().position(is_it)
+            })
+            .collect();
+        let any_baseline = contestants.iter().any(|c| c.method == Method::Afra2012);
+        if any_baseline && baselines.contains(&None) {
+            warnings.push(
+                "no acceleration ratio without an afra2012 cell with its default of --sah-ratio"
+                    .to_owned(),
+            );
+        }
+        for (contestant, baseline) in contestants.iter_mut().zip(baselines) {
+            contestant.baseline = baseline;
+        }
+
+        let rays = match &args.rays {
+            Some(names) => Some(
+                distinct(names)
+                    .map(ray_type)
+                    .collect::<anyhow::Result<Vec<_>>>()?,
+            ),
+            None => None,
+        };
+        let names = match &args.scenes {
+            Some(names) => distinct(names).collect(),
+            None => DEFAULT_SCENES.to_vec(),
+        };
+        let mut scenes = Vec::new();
+        for name in names {
+            let source = SceneSource::find(name)?;
+            if let Some(missing) = source.missing_mesh(&mesh_folders) {
+                ensure!(args.scenes.is_none(), "{missing}");
+                warnings.push(format!("left out: {missing}"));
+                continue;
+            }
+            let view = source.view()?;
+            let rays = match &rays {
+                Some(rays) => rays.clone(),
+                None => {
+                    let rays = DEFAULT_RAYS.into_iter();
+                    rays.filter(|r| source.is_for(*r)).collect()
+                }
+            };
+            ensure!(
+                view.light.is_some() || !rays.contains(&RayType::ShadowPoint),
+                "{}: shadow-point rays need a point light, and there is none",
+                source.json.display()
+            );
+            let same_name = |(other, ..): &&(SceneSource, _, _)| other.name() == source.name();
+            if let Some((other, ..)) = scenes.iter().find(same_name) {
+                bail!(
+                    "--scenes: {} and {} would have the same name in the result",
+                    other.json.display(),
+                    source.json.display()
+                );
+            }
+            scenes.push((source, view, rays));
+        }
+
+        let mut films = Vec::new();
+        for size in &args.resolution {
+            for spp in &args.spp {
+                let film = film(*size, *spp)?;
+                if !films.contains(&film) {
+                    films.push(film);
+                }
+            }
+        }
+        check_writable(&args.out).context("--out")?;
+        Ok(RunPlan {
+            scenes,
+            films,
+            contestants,
+            repeats: args
+                .repeats
+                .unwrap_or(if args.scenes.is_some() { 5 } else { 3 }),
+            engine,
+            mesh_folders,
+            out: args.out.clone(),
+            resume: args.resume,
+            warnings,
+        })
+    }
+
+    /// Number of batches.
+    pub fn groups(&self) -> usize {
+        let batches: usize = self.scenes.iter().map(|(_, _, rays)| rays.len()).sum();
+        self.films.len() * batches
+    }
+}
+
+/// The instruction set; precision and threads are only checked, for there is no choice yet.
+pub fn engine(args: &EngineArgs) -> anyhow::Result<Engine> {
+    match args.precision.as_str() {
+        "fast" => {}
+        "watertight" | "exact" => bail!(
+            "--precision {}: not there yet; this version has `fast` only",
+            args.precision
+        ),
+        other => bail!(
+            "--precision: {}",
+            no_such("precision", other, &["fast", "watertight", "exact"])
+        ),
+    }
+    ensure!(
+        args.threads == 1,
+        "--threads {}: not there yet; this version traces with one thread",
+        args.threads
+    );
+    let isa = match args.isa.as_deref() {
+        None => Isa::best(),
+        Some(name) => {
+            let isa = Isa::from_str(name).ok();
+            let names = ["avx512", "avx2", "portable"];
+            isa.with_context(|| format!("--isa: {}", no_such("instruction set", name, &names)))?
+        }
+    };
+    let available: Vec<String> = Isa::available().map(|i| i.to_string()).collect();
+    ensure!(
+        available.contains(&isa.to_string()),
+        "--isa {isa}: this processor does not have it; it has {}",
+        available.join(", ")
+    );
+    Ok(Engine {
+        isa,
+        seed: args.seed,
+    })
+}
+
+/// The pixels and samples; an error if the machine has too little memory for so many rays.
+pub fn film(size: Resolution, spp: Spp) -> anyhow::Result<Film> {
+    /// Rays, workspace, several lists of answers, and the rays in Embree's structures.
+    const BYTES_A_RAY: u64 = 400;
+    let options = || format!("--resolution {size} --spp {}", spp.0);
+    let film = Film::new(size.width, size.height, spp.0).with_context(options)?;
+    let needed = film.rays() as u64 * BYTES_A_RAY;
+    let memory = Machine::here("").memory_bytes;
+    let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
+    ensure!(
+        needed <= memory,
+        "{}: {} rays need about {:.0} GiB, and this machine has {:.1}",
+        options(),
+        thousands(film.rays() as u64),
+        gib(needed),
+        gib(memory)
+    );
+    Ok(film)
+}
+
+/// A method by its name.
+pub fn method(name: &str) -> anyhow::Result<Method> {
+    let found = Method::ALL.into_iter().find(|m| m.name() == name);
+    found.with_context(|| no_such("method", name, &Method::ALL.map(Method::name)))
+}
+
+fn ray_type(name: &str) -> anyhow::Result<RayType> {
+    let known = RayType::ALL.map(|r| r.to_string());
+    RayType::from_str(name).map_err(|_| anyhow::anyhow!(no_such("ray type", name, &known)))
+}
+
+/// An error if no file can be written there. What is there already stays as it is.
+pub fn check_writable(path: &Path) -> anyhow::Result<()> {
+    let cannot = || format!("cannot write {}", path.display());
+    ensure!(!path.is_dir(), "{}: it is a folder", cannot());
+    ensure!(
+        !path.exists() || path.is_file(),
+        "{}: it is not a plain file",
+        cannot()
+    );
+    // Files are written beside their place and renamed, so it is the folder that counts.
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    match tempfile::tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            bail!("{}: there is no folder {}", cannot(), folder.display())
+        }
+        Err(error) => Err(error).with_context(cannot),
+    }
+}
+
+/// Every name once, in the order typed.
+fn distinct(names: &[String]) -> impl Iterator<Item = &str> {
+    let first = |(i, name): &(usize, &String)| !names[..*i].contains(name);
+    let names = names.iter().enumerate();
+    names.filter(first).map(|(_, name)| name.as_str())
+}

@@ -1,0 +1,62 @@
+//! What a trace answers: nearest hits, or for each ray whether there is one.
+
+use dacrt::{Batch, Hits};
+use dacrt::{Mesh, Trace, Tracer, Workspace};
+use dacrt_validate::embree::{Query, Scene};
+use dacrt_validate::judge;
+
+/// The answers to one batch.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answers {
+    Nearest(Hits),
+    /// 1 for a ray that hits anything, else 0.
+    Any(Vec<u8>),
+}
+
+impl Answers {
+    /// Room for the answers to `rays` rays.
+    pub fn room(rays: usize, any: bool) -> Answers {
+        match any {
+            false => Answers::Nearest(Hits::misses(rays)),
+            true => Answers::Any(vec![0; rays]),
+        }
+    }
+
+    /// The same, borrowed, as the judge takes it.
+    pub fn view(&self) -> judge::Answers<'_> {
+        match self {
+            Answers::Nearest(hits) => judge::Answers::Nearest(hits),
+            Answers::Any(occluded) => judge::Answers::Any(occluded),
+        }
+    }
+
+    /// Number of rays that hit something.
+    pub fn hit_count(&self) -> usize {
+        match self {
+            Answers::Nearest(hits) => hits.hit_count(),
+            Answers::Any(occluded) => occluded.iter().filter(|&&o| o != 0).count(),
+        }
+    }
+
+    /// Fills in what our tracer finds.
+    pub fn trace(
+        &mut self,
+        tracer: &Tracer,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+    ) -> Trace {
+        match self {
+            Answers::Nearest(hits) => tracer.nearest(mesh, batch, workspace, hits),
+            Answers::Any(occluded) => tracer.any(mesh, batch, workspace, occluded),
+        }
+    }
+
+    /// Fills in what Embree finds.
+    pub fn trace_embree(&mut self, scene: &Scene, batch: &Batch, query: Query) {
+        match self {
+            Answers::Nearest(hits) => scene.nearest(batch, query, hits),
+            Answers::Any(occluded) => scene.any(batch, query, occluded),
+        }
+    }
+}

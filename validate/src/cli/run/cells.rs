@@ -1,0 +1,163 @@
+//! From what was measured and found on one batch to the cells of the result file.
+
+use super::contest::Times;
+use super::reference::Reference;
+use crate::cli::knobs;
+use crate::cli::plan::Contestant;
+use dacrt_validate::embree::{Quality, Query};
+use dacrt_validate::results::{Cell, CellKey, EmbreeTimes};
+use dacrt_validate::statistics::{median, paired_ratio};
+use std::collections::BTreeMap;
+
+/// One batch: what the cells of all contestants have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BatchKey {
+    pub scene: String,
+    pub camera: String,
+    pub resolution: [u32; 2],
+    pub spp: u32,
+    pub rays: String,
+}
+
+impl BatchKey {
+    /// The key of a contestant's cell.
+    pub fn cell(&self, contestant: &Contestant) -> CellKey {
+        CellKey {
+            scene: self.scene.clone(),
+            camera: self.camera.clone(),
+            resolution: self.resolution,
+            spp: self.spp,
+            rays: self.rays.clone(),
+            method: contestant.method.name().to_owned(),
+            precision: "fast".to_owned(),
+            parameters: knobs::own_fields(contestant.method, &contestant.parameters),
+        }
+    }
+
+    /// Whether a cell is one of this batch.
+    pub fn has(&self, cell: &CellKey) -> bool {
+        let of_cell = BatchKey {
+            scene: cell.scene.clone(),
+            camera: cell.camera.clone(),
+            resolution: cell.resolution,
+            spp: cell.spp,
+            rays: cell.rays.clone(),
+        };
+        *self == of_cell
+    }
+}
+
+/// Writes the times into the cells whose validation passed: `passed` are their places, in the
+/// order of `times.methods`.
+pub fn enter_times(
+    cells: &mut [Cell],
+    passed: &[usize],
+    contestants: &[Contestant],
+    times: &Times,
+    reference: &Reference,
+) {
+    let build_ms: BTreeMap<String, f64> = (reference.contestants.iter())
+        .map(|b| (b.quality.name().to_owned(), middle(&b.samples_ms)))
+        .collect();
+    let embree = Embree::new(times, &build_ms, reference);
+    for (place, &cell) in passed.iter().enumerate() {
+        if times.unstable.contains(&place) {
+            continue;
+        }
+        let ours = &times.methods[place];
+        let against = |samples: &[f64]| paired_ratio(samples, ours);
+        let baseline = contestants[cell].baseline;
+        let baseline = baseline.and_then(|b| passed.iter().position(|&p| p == b));
+        let acceleration = baseline
+            .filter(|b| !times.unstable.contains(b))
+            .and_then(|b| against(&times.methods[b]));
+        let total = against(&embree.best_total_samples);
+        let trace = against(&embree.best_trace_samples);
+        let cell = &mut cells[cell];
+        let median_ms = middle(ours);
+        cell.median_ms = Some(median_ms);
+        cell.mrays_per_s = Some(cell.ray_count as f64 / median_ms / 1e3);
+        cell.samples_ms = Some(ours.clone());
+        cell.acceleration_ratio = acceleration.map(|r| r.ratio);
+        cell.acceleration_interval = acceleration.map(|r| r.interval);
+        cell.ratio_embree_total = total.map(|r| r.ratio);
+        cell.ratio_embree_total_interval = total.map(|r| r.interval);
+        cell.ratio_embree_trace = trace.map(|r| r.ratio);
+        cell.ratio_embree_trace_interval = trace.map(|r| r.interval);
+        cell.embree = Some(embree.times.clone());
+    }
+}
+
+struct Embree {
+    times: EmbreeTimes,
+    /// Of the combination that is best with its build, the median of the build added to each.
+    best_total_samples: Vec<f64>,
+    best_trace_samples: Vec<f64>,
+}
+
+impl Embree {
+    fn new(times: &Times, build_ms: &BTreeMap<String, f64>, reference: &Reference) -> Embree {
+        let traces: Vec<Trace> = (times.embree.iter())
+            .map(|(quality, query, samples)| Trace {
+                quality: *quality,
+                name: name(*quality, *query),
+                build: build_ms[quality.name()],
+                trace: middle(samples),
+                samples,
+            })
+            .collect();
+        // Those that were given up after a round are not in the running.
+        let rounds = traces.iter().map(|t| t.samples.len()).max().unwrap_or(0);
+        let least = |time: fn(&Trace) -> f64| {
+            let whole = traces.iter().filter(|t| t.samples.len() == rounds);
+            whole
+                .min_by(|a, b| time(a).total_cmp(&time(b)))
+                .expect("not all are given up")
+        };
+        let best_total = least(|t| t.build + t.trace);
+        let best_trace = least(|t| t.trace);
+        let traced = traces.iter().map(|t| (t.name.clone(), t.samples.to_vec()));
+        let built = reference.contestants.iter();
+        let built = built.map(|b| (b.quality.name().to_owned(), b.samples_ms.clone()));
+        let bytes = reference.contestants.iter();
+        let prepacked = times.prepacked.iter();
+        Embree {
+            times: EmbreeTimes {
+                best_ms: best_total.build + best_total.trace,
+                best_trace_ms: best_trace.trace,
+                build_ms: build_ms.clone(),
+                trace_ms: traces.iter().map(|t| (t.name.clone(), t.trace)).collect(),
+                samples_ms: traced.chain(built).collect(),
+                trace_prepacked_ms: prepacked
+                    .map(|(quality, query, samples)| (name(*quality, *query), middle(samples)))
+                    .collect(),
+                bytes: bytes
+                    .filter(|b| b.quality == best_total.quality)
+                    .map(|b| b.scene.bytes())
+                    .sum(),
+            },
+            best_total_samples: (best_total.samples.iter())
+                .map(|ms| best_total.build + ms)
+                .collect(),
+            best_trace_samples: best_trace.samples.to_vec(),
+        }
+    }
+}
+
+/// One combination of build quality and query; times in milliseconds, medians.
+struct Trace<'a> {
+    quality: Quality,
+    name: String,
+    build: f64,
+    trace: f64,
+    samples: &'a [f64],
+}
+
+/// `low_1`, `medium_16_coherent`, …
+fn name(quality: Quality, query: Query) -> String {
+    format!("{}_{}", quality.name(), query.name())
+}
+
+fn middle(samples: &[f64]) -> f64 {
+    median(samples).unwrap_or(f64::NAN)
+}
