@@ -26,16 +26,16 @@ static COMPRESS: [[u32; N]; 1 << N] = {
     table
 };
 
-/// Records `i` and `j` of four floats each.
+/// The records of the indices at 0 and 4.
 ///
 /// # Safety
 /// As for [`Lanes::gather4`].
 #[inline(always)]
-unsafe fn pair(base: *const f32, i: u32, j: u32) -> __m256 {
+unsafe fn pair(base: *const [f32; 4], index: *const u32) -> __m256 {
     // SAFETY: as promised.
     unsafe {
-        let v = _mm256_castps128_ps256(_mm_loadu_ps(base.add(4 * i as usize)));
-        _mm256_insertf128_ps::<1>(v, _mm_loadu_ps(base.add(4 * j as usize)))
+        let v = _mm256_castps128_ps256(_mm_loadu_ps(base.add(*index as usize).cast()));
+        _mm256_insertf128_ps::<1>(v, _mm_loadu_ps(base.add(*index.add(4) as usize).cast()))
     }
 }
 
@@ -69,15 +69,13 @@ impl Lanes for Avx2 {
         unsafe { _mm256_mask_i32gather_ps::<4>(_mm256_setzero_ps(), base, index, mask) }
     }
     #[inline(always)]
-    unsafe fn gather4(base: *const f32, index: __m256i) -> [__m256; 4] {
+    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [__m256; 4] {
         unsafe {
-            let mut at = [0u32; N];
-            Self::store_u(at.as_mut_ptr(), index);
             // Row j has records j and 4 + j; a transposition within its halves sorts the lanes.
-            let a = pair(base, at[0], at[4]);
-            let b = pair(base, at[1], at[5]);
-            let c = pair(base, at[2], at[6]);
-            let d = pair(base, at[3], at[7]);
+            let a = pair(base, index);
+            let b = pair(base, index.add(1));
+            let c = pair(base, index.add(2));
+            let d = pair(base, index.add(3));
             let (ab_lo, ab_hi) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
             let (cd_lo, cd_hi) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
             [
@@ -87,6 +85,11 @@ impl Lanes for Avx2 {
                 _mm256_shuffle_ps::<0b11_10_11_10>(ab_hi, cd_hi),
             ]
         }
+    }
+
+    #[inline(always)]
+    unsafe fn prefetch(p: *const f32) {
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(p.cast()) }
     }
 
     #[inline(always)]

@@ -8,18 +8,18 @@ pub(crate) struct Avx512;
 
 const N: usize = 16;
 
-/// Four records of four floats each.
+/// The records of the indices at 0, 4, 8 and 12.
 ///
 /// # Safety
 /// As for [`Lanes::gather4`].
 #[inline(always)]
-unsafe fn quad(base: *const f32, i: [u32; 4]) -> __m512 {
+unsafe fn quad(base: *const [f32; 4], index: *const u32) -> __m512 {
     // SAFETY: as promised.
     unsafe {
-        let v = _mm512_castps128_ps512(_mm_loadu_ps(base.add(4 * i[0] as usize)));
-        let v = _mm512_insertf32x4::<1>(v, _mm_loadu_ps(base.add(4 * i[1] as usize)));
-        let v = _mm512_insertf32x4::<2>(v, _mm_loadu_ps(base.add(4 * i[2] as usize)));
-        _mm512_insertf32x4::<3>(v, _mm_loadu_ps(base.add(4 * i[3] as usize)))
+        let v = _mm512_castps128_ps512(_mm_loadu_ps(base.add(*index as usize).cast()));
+        let v = _mm512_insertf32x4::<1>(v, _mm_loadu_ps(base.add(*index.add(4) as usize).cast()));
+        let v = _mm512_insertf32x4::<2>(v, _mm_loadu_ps(base.add(*index.add(8) as usize).cast()));
+        _mm512_insertf32x4::<3>(v, _mm_loadu_ps(base.add(*index.add(12) as usize).cast()))
     }
 }
 
@@ -53,16 +53,14 @@ impl Lanes for Avx512 {
         unsafe { _mm512_mask_i32gather_ps::<4>(_mm512_setzero_ps(), mask, index, base) }
     }
     #[inline(always)]
-    unsafe fn gather4(base: *const f32, index: __m512i) -> [__m512; 4] {
+    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [__m512; 4] {
         unsafe {
-            let mut at = [0u32; N];
-            Self::store_u(at.as_mut_ptr(), index);
             // Row j has records j, 4 + j, 8 + j, 12 + j; a transposition within its quarters sorts
             // the lanes.
-            let a = quad(base, [at[0], at[4], at[8], at[12]]);
-            let b = quad(base, [at[1], at[5], at[9], at[13]]);
-            let c = quad(base, [at[2], at[6], at[10], at[14]]);
-            let d = quad(base, [at[3], at[7], at[11], at[15]]);
+            let a = quad(base, index);
+            let b = quad(base, index.add(1));
+            let c = quad(base, index.add(2));
+            let d = quad(base, index.add(3));
             let (ab_lo, ab_hi) = (_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
             let (cd_lo, cd_hi) = (_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
             [
@@ -72,6 +70,11 @@ impl Lanes for Avx512 {
                 _mm512_shuffle_ps::<0b11_10_11_10>(ab_hi, cd_hi),
             ]
         }
+    }
+
+    #[inline(always)]
+    unsafe fn prefetch(p: *const f32) {
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(p.cast()) }
     }
 
     #[inline(always)]

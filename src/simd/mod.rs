@@ -40,9 +40,11 @@ pub(crate) trait Lanes: Copy {
     unsafe fn store_first(p: *mut f32, v: Self::F, n: usize);
     /// Lane `i` is `base[index[i]]` where the mask is set, 0 elsewhere; indices are below 2^31.
     unsafe fn gather(base: *const f32, index: Self::U, mask: Self::M) -> Self::F;
-    /// Four vectors from records of four floats: lane `i` of vector `k` is `base[4 * index[i] + k]`.
-    /// All lanes are read.
-    unsafe fn gather4(base: *const f32, index: Self::U) -> [Self::F; 4];
+    /// Four vectors from records of four floats: lane `i` of vector `k` is `base[index[i]][k]`, with
+    /// `N` indices from memory.
+    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [Self::F; 4];
+    /// Starts to bring a cache line near; the address may be any.
+    unsafe fn prefetch(p: *const f32);
 
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;

@@ -45,9 +45,12 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
-    unsafe fn gather4(base: *const f32, index: Self::U) -> [Self::F; 4] {
-        from_fn(|k| from_fn(|i| unsafe { *base.add(4 * index[i] as usize + k) }))
+    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [Self::F; 4] {
+        from_fn(|k| from_fn(|i| unsafe { (*base.add(*index.add(i) as usize))[k] }))
     }
+
+    #[inline(always)]
+    unsafe fn prefetch(_: *const f32) {}
 
     #[inline(always)]
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F {
