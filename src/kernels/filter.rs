@@ -50,6 +50,12 @@ unsafe fn kept<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         let tmin = L::splat(rays.least_tmin);
         let (near, far) = slabs.interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
         let mut kept = L::and(L::le(near, far), L::first(left));
+        if !SHARED {
+            for lane in 0..L::N {
+                let next = *s.id.add(at + 2 * L::N + lane) as usize;
+                L::prefetch(rays.t.wrapping_add(next));
+            }
+        }
         if L::bits(kept) != 0 {
             // Rays next to each other in the batch need no gather; a quarter of the time of coherent
             // batches.
