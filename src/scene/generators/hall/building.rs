@@ -23,7 +23,7 @@ const COLUMNS: f64 = NAVE + WALL / 2.0;
 const CAPITAL: f64 = 5.0;
 /// Radius of the arches between columns.
 const ARCH: f64 = BAY / 2.0 - 0.55;
-/// Aisle vault: middle, half width, where it begins and how far it rises.
+/// Aisles: middle, half width, where their vault begins and how far it rises.
 const AISLE: f64 = (NAVE + WALL + WIDTH) / 2.0;
 const AISLE_HALF: f64 = (WIDTH - NAVE - WALL) / 2.0;
 const AISLE_SPRING: f64 = 6.0;
@@ -35,24 +35,21 @@ const EAST: DVec3 = DVec3::X;
 const UP: DVec3 = DVec3::Y;
 const SOUTH: DVec3 = DVec3::Z;
 
+/// The directions in which the bars of an arch across the nave, or along it, are bent.
+const ACROSS: [DVec3; 2] = [SOUTH, UP];
+const ALONG: [DVec3; 2] = [EAST, UP];
+/// From one foot of an arch to the other.
+const HALF_TURN: [f64; 2] = [-FRAC_PI_2, FRAC_PI_2];
+
 /// Everything that stands but the floor of the nave and the furniture.
 pub(super) fn building(p: &mut Patches) {
     for bay in 0..BAYS {
         let x = (bay as f64 + 0.5) * BAY;
-        vault(p, x, 0.0, NAVE, SPRING, NAVE);
-        diagonal_ribs(p, x, 0.0, NAVE, SPRING, NAVE, 0.14);
+        vault(p, DVec3::new(x, SPRING, 0.0), NAVE, NAVE, 0.14);
         p.ball(DVec3::new(x, SPRING + NAVE - 0.1, 0.0), 0.35);
         for side in [-1.0, 1.0] {
-            vault(p, x, side * AISLE, AISLE_HALF, AISLE_SPRING, AISLE_RISE);
-            diagonal_ribs(
-                p,
-                x,
-                side * AISLE,
-                AISLE_HALF,
-                AISLE_SPRING,
-                AISLE_RISE,
-                0.1,
-            );
+            let aisle = DVec3::new(x, AISLE_SPRING, side * AISLE);
+            vault(p, aisle, AISLE_HALF, AISLE_RISE, 0.1);
             arcade(p, x, side);
             clerestory(p, x, side);
             let wall = Wall {
@@ -69,20 +66,13 @@ pub(super) fn building(p: &mut Patches) {
     for row in 0..=BAYS {
         let x = row as f64 * BAY;
         let radius = if row == BAYS { 0.4 } else { 0.22 };
-        let nave = NAVE - 0.05;
-        p.bent_bar(
-            UP * SPRING + x * EAST,
-            [SOUTH, UP],
-            [nave; 2],
-            [-FRAC_PI_2, FRAC_PI_2],
-            radius,
-        );
+        let top = DVec3::new(x, SPRING, 0.0);
+        p.bent_bar(top, ACROSS, [NAVE - 0.05; 2], HALF_TURN, radius);
         for side in [-1.0, 1.0] {
             column(p, DVec3::new(x, 0.0, side * COLUMNS));
             respond(p, DVec3::new(x, CAPITAL, side * NAVE));
-            let middle = DVec3::new(x, AISLE_SPRING, side * AISLE);
-            let axes = [AISLE_HALF, AISLE_RISE];
-            p.bent_bar(middle, [SOUTH, UP], axes, [-FRAC_PI_2, FRAC_PI_2], 0.16);
+            let aisle = DVec3::new(x, AISLE_SPRING, side * AISLE);
+            p.bent_bar(aisle, ACROSS, [AISLE_HALF, AISLE_RISE], HALF_TURN, 0.16);
         }
     }
     for side in [-1.0, 1.0] {
@@ -97,10 +87,11 @@ pub(super) fn building(p: &mut Patches) {
     apse(p);
 }
 
-/// A groin vault over one bay: the space under two crossing half-elliptical barrels of one height.
-/// Four webs, each from the apex to one side of the bay.
-fn vault(p: &mut Patches, x: f64, z: f64, half_z: f64, spring: f64, rise: f64) {
-    let (nu, nv) = (p.arc(rise, FRAC_PI_2), p.arc(half_z.max(rise), PI));
+/// A groin vault over one bay: the space under two crossing half-elliptical barrels of one height,
+/// `half` wide to each side and `rise` high over `middle`. Four webs, each from the apex to one
+/// side of the bay, and two ribs of radius `rib` where the barrels meet.
+fn vault(p: &mut Patches, middle: DVec3, half: f64, rise: f64, rib: f64) {
+    let (nu, nv) = (p.arc(rise, FRAC_PI_2), p.arc(half.max(rise), PI));
     for (to_side, sign) in [(false, -1.0), (false, 1.0), (true, -1.0), (true, 1.0)] {
         p.fan(nu, nv, |u, v| {
             let away = libm::sin(u * FRAC_PI_2);
@@ -111,32 +102,13 @@ fn vault(p: &mut Patches, x: f64, z: f64, half_z: f64, spring: f64, rise: f64) {
             } else {
                 (sign * away, across)
             };
-            DVec3::new(x + BAY / 2.0 * i, spring + height, z + half_z * k)
+            middle + DVec3::new(BAY / 2.0 * i, height, half * k)
         });
     }
-}
-
-/// The two ribs where the barrels of a vault meet.
-fn diagonal_ribs(
-    p: &mut Patches,
-    x: f64,
-    z: f64,
-    half_z: f64,
-    spring: f64,
-    rise: f64,
-    radius: f64,
-) {
     for sign in [-1.0, 1.0] {
-        let way = DVec3::new(BAY / 2.0, 0.0, sign * half_z);
-        let axes = [way.length() - radius, rise - radius / 2.0];
-        let middle = DVec3::new(x, spring, z);
-        p.bent_bar(
-            middle,
-            [way.normalize(), UP],
-            axes,
-            [-FRAC_PI_2, FRAC_PI_2],
-            radius,
-        );
+        let way = DVec3::new(BAY / 2.0, 0.0, sign * half);
+        let axes = [way.length() - rib, rise - rib / 2.0];
+        p.bent_bar(middle, [way.normalize(), UP], axes, HALF_TURN, rib);
     }
 }
 
@@ -176,7 +148,7 @@ fn arcade(p: &mut Patches, x: f64, side: f64) {
     });
     // A roll along the edge of the arch.
     let middle = DVec3::new(x, CAPITAL, side * NAVE);
-    p.bent_bar(middle, [EAST, UP], [ARCH; 2], [-FRAC_PI_2, FRAC_PI_2], 0.09);
+    p.bent_bar(middle, ALONG, [ARCH; 2], HALF_TURN, 0.09);
 }
 
 /// The upper window of a bay, in the half-elliptical wall under the vault.
@@ -214,20 +186,8 @@ fn clerestory(p: &mut Patches, x: f64, side: f64) {
         p.bar(foot, foot + UP * top, 0.05);
     }
     let middle = DVec3::new(x, SPRING, side * NAVE);
-    p.bent_bar(
-        middle,
-        [EAST, UP],
-        [width, height],
-        [-FRAC_PI_2, FRAC_PI_2],
-        0.08,
-    );
-    p.bent_bar(
-        middle,
-        [EAST, UP],
-        [half, rise - 0.05],
-        [-FRAC_PI_2, FRAC_PI_2],
-        0.1,
-    );
+    p.bent_bar(middle, ALONG, [width, height], HALF_TURN, 0.08);
+    p.bent_bar(middle, ALONG, [half, rise - 0.05], HALF_TURN, 0.1);
 }
 
 /// A piece of wall with an arched window.
@@ -305,6 +265,9 @@ fn column(p: &mut Patches, foot: DVec3) {
     p.block(foot, EAST, DVec3::new(1.5, 0.25, 1.5));
     let at = |height: f64| foot + UP * height;
     let roll = |p: &mut Patches, height: f64, radius: f64, size: f64| {
+        if !p.shows(size) {
+            return;
+        }
         let steps = p.arc(size, PI);
         p.turned(at(height), radius, steps, |t| {
             let (sin, cos) = libm::sincos(PI * t);
@@ -387,7 +350,7 @@ fn west_wall(p: &mut Patches) {
     p.fan(rings, around, |u, v| circle(u * ROSE, TAU * v, DEPTH));
     let middle = UP * SPRING - EAST * (DEPTH / 2.0);
     for radius in [ROSE, 0.6] {
-        p.bent_bar(middle, [SOUTH, UP], [radius; 2], [0.0, TAU], 0.08);
+        p.bent_bar(middle, ACROSS, [radius; 2], [0.0, TAU], 0.08);
     }
     for spoke in 0..12 {
         let angle = TAU * spoke as f64 / 12.0;
@@ -435,13 +398,7 @@ fn apse(p: &mut Patches) {
         );
     }
     let ledge = middle + UP * (SPRING - 0.1);
-    p.bent_bar(
-        ledge,
-        [SOUTH, EAST],
-        [NAVE; 2],
-        [-FRAC_PI_2, FRAC_PI_2],
-        0.12,
-    );
+    p.bent_bar(ledge, [SOUTH, EAST], [NAVE; 2], HALF_TURN, 0.12);
     let rings = p.straight(NAVE);
     p.fan(rings, nv, |u, v| {
         middle + on_circle(u * NAVE, (v - 0.5) * PI)

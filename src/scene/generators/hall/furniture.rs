@@ -16,7 +16,7 @@ const KEY_LAMP: u64 = 4;
 
 /// Pews in two blocks, hanging lamps, candle stands in the aisles, and the altar.
 pub(super) fn furniture(p: &mut Patches, seed: u64) {
-    let rows = p.number(5.0, 5, 30);
+    let rows = p.number(20.0, 4, 30);
     for row in 0..rows {
         let x = 11.0 + 30.0 * row as f64 / rows as f64;
         for side in [-1.0, 1.0] {
@@ -70,9 +70,9 @@ fn pew(p: &mut Patches, seed: u64, number: u64, foot: DVec3) {
         p.block(at(-0.04, 0.62, k), x, DVec3::new(0.2, 0.45, 0.06));
         p.ball(at(-0.04, 1.12, k), 0.07);
     }
-    let books = p.number(0.4, 1, 7) as u64;
+    let books = p.number(1.0, 0, 6) as u64;
     for book in 0..books {
-        let draw = number * 16 + 2 * book;
+        let draw = 16 * number + 2 * book;
         let place = (book as f64 + 0.5 + 0.2 * wobble(seed, KEY_BOOK, draw)) / books as f64 - 0.5;
         let turn = on_circle(1.0, 0.5 * wobble(seed, KEY_BOOK, draw + 1));
         p.block(
@@ -85,11 +85,15 @@ fn pew(p: &mut Patches, seed: u64, number: u64, foot: DVec3) {
 
 /// A candle with its flame.
 fn candle(p: &mut Patches, seed: u64, number: u64, foot: DVec3) {
+    const RADIUS: f64 = 0.03;
+    if !p.shows(RADIUS) {
+        return;
+    }
     let tall = 0.28 + 0.1 * wobble(seed, KEY_CANDLE, number);
     let steps = p.straight(tall);
-    p.turned(foot, 0.03, steps, |t| (0.03 - 0.004 * t, tall * t));
+    p.turned(foot, RADIUS, steps, |t| (RADIUS - 0.004 * t, tall * t));
     let steps = p.arc(0.06, PI) + 1;
-    let around = p.arc(0.03, TAU);
+    let around = p.arc(RADIUS, TAU);
     p.fan(steps, around, |u, v| {
         // A drop, from its tip down.
         let (sin, cos) = libm::sincos(0.9 * PI * u);

@@ -77,7 +77,7 @@ fn floor(patches: &mut Patches, triangles: usize) {
     }
 }
 
-/// For few triangles: walls and a roof (8 triangles); from 64 on ends, square columns and pews.
+/// For few triangles: walls and a roof (8 triangles); from 82 on ends, square columns and pews.
 fn plain_hall(patches: &mut Patches, room: usize) {
     let arches = (room / 60).clamp(2, 24);
     let roof = |u: f64, v: f64| {
@@ -94,7 +94,7 @@ fn plain_hall(patches: &mut Patches, room: usize) {
         );
     }
     patches.grid(1, arches, roof);
-    if room < 60 {
+    if room < 80 {
         return;
     }
     for u in [0.0, 1.0] {
@@ -110,36 +110,25 @@ fn plain_hall(patches: &mut Patches, room: usize) {
     }
     // A quarter of the triangles for columns, up to half for pews.
     let columns = (room / 64).clamp(1, 9);
-    let sides = (room / 8 / columns / 2).clamp(4, 32);
+    let sides = (room / 16 / columns).clamp(4, 24);
+    let rings = (room / 16 / columns / sides).max(1);
     for column in 0..columns {
         let x = LENGTH * (column as f64 + 0.5) / columns as f64;
         for side in [-1.0, 1.0] {
-            patches.grid(1, sides, |u, v| {
+            patches.grid(rings, sides, |u, v| {
                 let foot = DVec3::new(x, SPRING * u, side * (NAVE + 0.4));
                 foot + patches::on_circle(0.55, TAU * v)
             });
         }
     }
-    let pews = (room / 48).clamp(1, 30);
+    let pews = (room / 80).clamp(1, 30);
     for pew in 0..pews {
         let x = 11.0 + 30.0 * pew as f64 / pews as f64;
         for side in [-1.0, 1.0] {
             let foot = DVec3::new(x, 0.0, 3.2 * side);
             patches.block(foot, DVec3::X, DVec3::new(0.4, 0.45, 3.7));
-        }
-    }
-}
-#[cfg(test)]
-mod tests {
-    use super::*;
-    #[test]
-    fn tmp() {
-        for q in [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0] {
-            let mut p = Patches::counting(q);
-            building::building(&mut p);
-            let b = p.count();
-            furniture::furniture(&mut p, 0);
-            println!("{q} {b} {}", p.count() - b);
+            let back = DVec3::new(x - 0.25, 0.0, 3.2 * side);
+            patches.block(back, DVec3::X, DVec3::new(0.08, 0.9, 3.7));
         }
     }
 }

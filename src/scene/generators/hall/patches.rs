@@ -57,6 +57,11 @@ impl Patches {
         ((self.quality * rate) as usize).clamp(least, most)
     }
 
+    /// Whether there are triangles enough for round things of this radius.
+    pub fn shows(&self, radius: f64) -> bool {
+        self.quality * radius >= 0.03
+    }
+
     /// One triangle.
     pub fn triangle(&mut self, a: DVec3, b: DVec3, c: DVec3) {
         self.count += 1;
@@ -120,6 +125,9 @@ impl Patches {
         self.quad(a, b, c, d);
     }
 
+    // Round things that the quality does not show are left out, so that a coarse hall has no more
+    // than its walls, vaults and columns.
+
     /// A surface of revolution about the vertical through `axis`: `outline(t)` for t from 0 to 1 is
     /// radius and height over `axis`; `radius` is a typical one.
     pub fn turned(
@@ -129,6 +137,9 @@ impl Patches {
         steps: usize,
         outline: impl Fn(f64) -> (f64, f64),
     ) {
+        if !self.shows(radius) {
+            return;
+        }
         let around = self.arc(radius, TAU);
         self.grid(steps, around, |u, v| {
             let (r, y) = outline(u);
@@ -138,6 +149,9 @@ impl Patches {
 
     /// A ball.
     pub fn ball(&mut self, center: DVec3, radius: f64) {
+        if !self.shows(radius) {
+            return;
+        }
         let around = self.arc(radius, TAU);
         let steps = self.arc(radius, PI / 2.0);
         for up in [-1.0, 1.0] {
@@ -150,6 +164,9 @@ impl Patches {
 
     /// A round bar from `a` to `b`, open at both ends.
     pub fn bar(&mut self, a: DVec3, b: DVec3, radius: f64) {
+        if !self.shows(radius) {
+            return;
+        }
         let (m, n) = (b - a).normalize().any_orthonormal_pair();
         let (steps, around) = (self.straight(a.distance(b)), self.arc(radius, TAU));
         self.grid(steps, around, |u, v| {
@@ -168,6 +185,9 @@ impl Patches {
         [from, to]: [f64; 2],
         radius: f64,
     ) {
+        if !self.shows(radius) {
+            return;
+        }
         let across = x.cross(y);
         let (steps, around) = (self.arc(a.max(b), to - from), self.arc(radius, TAU));
         self.grid(steps, around, |u, v| {
