@@ -95,7 +95,10 @@ fn vault(p: &mut Patches, middle: DVec3, half: f64, rise: f64, rib: f64) {
     for (to_side, sign) in [(false, -1.0), (false, 1.0), (true, -1.0), (true, 1.0)] {
         p.fan(nu, nv, |u, v| {
             let away = libm::sin(u * FRAC_PI_2);
-            let across = away * libm::sin((v - 0.5) * PI);
+            // Even steps along the arch at the side of the bay, on the level near the apex, where
+            // those of the arch would be too narrow for float32 at both ends.
+            let (arch, level) = (libm::sin((v - 0.5) * PI), 2.0 * v - 1.0);
+            let across = away * (level + (arch - level) * away);
             let height = rise * (1.0 - across * across).max(0.0).sqrt();
             let (i, k) = if to_side {
                 (across, sign * away)
