@@ -23,12 +23,6 @@ pub const fn hash(seed: u64, key: u64, index: u64) -> u64 {
     mix(stream.wrapping_add(index.wrapping_add(1).wrapping_mul(GOLDEN)))
 }
 
-/// A number in `[0, 1)` from the upper 24 of 64 random bits: all multiples of 2⁻²⁴ are equally likely.
-#[inline]
-pub const fn unit_f32(bits: u64) -> f32 {
-    (bits >> 40) as f32 * (1.0 / 16_777_216.0)
-}
-
 /// A number in `[0, 1)` from the upper 53 of 64 random bits: all multiples of 2⁻⁵³ are equally likely.
 #[inline]
 pub const fn unit_f64(bits: u64) -> f64 {
@@ -64,9 +58,7 @@ mod tests {
 
     #[test]
     fn units_stay_below_one_and_reach_both_ends() {
-        assert_eq!(unit_f32(0), 0.0);
         assert_eq!(unit_f64(0), 0.0);
-        assert_eq!(unit_f32(u64::MAX), 1.0 - f32::EPSILON / 2.0);
         assert_eq!(unit_f64(u64::MAX), 1.0 - f64::EPSILON / 2.0);
     }
 
