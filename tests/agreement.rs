@@ -1,6 +1,6 @@
 //! Every method and instruction set gives the same bits, and those of a brute force.
 
-use dacrt::random::{hash, unit_f32};
+use dacrt::random::{hash, unit_f64};
 use dacrt::*;
 use glam::Vec3;
 
@@ -8,8 +8,8 @@ use glam::Vec3;
 fn soup(n: usize, seed: u64) -> Mesh {
     let mut triangles: Vec<Triangle> = (0..n as u64)
         .map(|i| {
-            let r = |k| unit_f32(hash(seed, i, k)) * 2.0 - 1.0;
-            let size = 10f32.powf(-2.0 * unit_f32(hash(seed, i, 20)));
+            let r = |k| unit_f64(hash(seed, i, k)) as f32 * 2.0 - 1.0;
+            let size = 10f32.powf(-2.0 * unit_f64(hash(seed, i, 20)) as f32);
             let center = Vec3::new(r(0), r(1), r(2));
             let corner = |k| center + size * Vec3::new(r(k), r(k + 1), r(k + 2));
             let (a, mut b, mut c) = (corner(3), corner(6), corner(9));
@@ -30,7 +30,7 @@ fn soup(n: usize, seed: u64) -> Mesh {
 }
 
 fn direction(seed: u64, i: u64) -> Vec3 {
-    let r = |k| unit_f32(hash(seed, i, k)) * 2.0 - 1.0;
+    let r = |k| unit_f64(hash(seed, i, k)) as f32 * 2.0 - 1.0;
     let mut d = Vec3::new(r(10), r(11), r(12));
     match hash(seed, i, 13) % 32 {
         0 => d.x = 0.0,
@@ -45,14 +45,14 @@ fn direction(seed: u64, i: u64) -> Vec3 {
 fn random_rays(n: usize, seed: u64, shared: bool) -> Batch {
     (0..n as u64)
         .map(|i| {
-            let r = |k| unit_f32(hash(seed, i, k)) * 2.4 - 1.2;
+            let r = |k| unit_f64(hash(seed, i, k)) as f32 * 2.4 - 1.2;
             let mut ray = Ray::new(Vec3::new(r(0), r(1), r(2)), direction(seed, i));
             if shared {
                 ray.origin = Vec3::new(0.1, -0.2, 0.3);
             }
             match hash(seed, i, 14) % 16 {
-                0 => ray.tmax = unit_f32(hash(seed, i, 15)),
-                1 => ray.tmin = unit_f32(hash(seed, i, 15)),
+                0 => ray.tmax = unit_f64(hash(seed, i, 15)) as f32,
+                1 => ray.tmin = unit_f64(hash(seed, i, 15)) as f32,
                 2 => ray.direction.y = f32::NAN,
                 3 => ray.tmin = -1.0,
                 _ => {}
