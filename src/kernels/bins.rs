@@ -2,6 +2,7 @@
 //! of the node's box, triangles by the centre of their box.
 
 use crate::geometry::{Aabb, Triangle};
+use crate::simd::Lanes;
 use glam::Vec3;
 
 /// The most bins that a node may have.
@@ -42,21 +43,19 @@ impl Item {
 impl BinBox {
     pub const EMPTY: BinBox = BinBox([f32::INFINITY; 8]);
 
+    /// # Safety
+    /// The processor has `L`'s instruction set.
     #[inline(always)]
-    pub fn union(&mut self, other: &[f32; 8]) {
-        for (a, &b) in self.0.iter_mut().zip(other) {
-            *a = if b < *a { b } else { *a };
-        }
-    }
-
-    #[inline(always)]
-    pub fn add(&mut self, item: &Item) {
-        self.union(&item.0);
+    pub unsafe fn add<L: Lanes>(&mut self, item: &Item) {
+        // SAFETY: as promised.
+        unsafe { L::min8(&mut self.0, &item.0) }
     }
 
     #[inline(always)]
     pub fn merged(mut self, other: &BinBox) -> BinBox {
-        self.union(&other.0);
+        for (a, &b) in self.0.iter_mut().zip(&other.0) {
+            *a = if b < *a { b } else { *a };
+        }
         self
     }
 
@@ -129,36 +128,44 @@ impl Bins {
         self.counts[..n].fill(0);
     }
 
+    /// # Safety
+    /// The processor has `L`'s instruction set; `bin` is below [`MAX_BINS`].
     #[inline(always)]
-    fn add(&mut self, bin: usize, item: &Item) {
-        // SAFETY: `Binning::bin` is below MAX_BINS.
+    unsafe fn add<L: Lanes>(&mut self, bin: usize, item: &Item) {
+        // SAFETY: as promised.
         unsafe {
-            self.boxes.get_unchecked_mut(bin).add(item);
+            self.boxes.get_unchecked_mut(bin).add::<L>(item);
             *self.counts.get_unchecked_mut(bin) += 1;
         }
     }
 }
 
 /// Adds every item to its bin of one axis, or of all three at once.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(crate) fn bin(items: &[Item], axes: &[Binning], bins: &mut [Bins; 3]) {
+pub(crate) unsafe fn bin<L: Lanes>(items: &[Item], axes: &[Binning], bins: &mut [Bins; 3]) {
     for (binning, bins) in axes.iter().zip(bins.iter_mut()) {
         bins.clear(binning.bins());
     }
-    match axes {
-        [x, y, z] => {
-            let [of_x, of_y, of_z] = bins;
-            for item in items {
-                of_x.add(x.bin(item), item);
-                of_y.add(y.bin(item), item);
-                of_z.add(z.bin(item), item);
+    // SAFETY: `Binning::bin` is below MAX_BINS.
+    unsafe {
+        match axes {
+            [x, y, z] => {
+                let [of_x, of_y, of_z] = bins;
+                for item in items {
+                    of_x.add::<L>(x.bin(item), item);
+                    of_y.add::<L>(y.bin(item), item);
+                    of_z.add::<L>(z.bin(item), item);
+                }
             }
-        }
-        _ => {
-            for (binning, bins) in axes.iter().zip(bins) {
-                items
-                    .iter()
-                    .for_each(|item| bins.add(binning.bin(item), item));
+            _ => {
+                for (binning, bins) in axes.iter().zip(bins) {
+                    for item in items {
+                        bins.add::<L>(binning.bin(item), item);
+                    }
+                }
             }
         }
     }
@@ -192,11 +199,15 @@ pub(crate) fn partition(
 }
 
 /// The box around items.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(crate) fn unite(items: &[Item]) -> BinBox {
+pub(crate) unsafe fn unite<L: Lanes>(items: &[Item]) -> BinBox {
     let mut bounds = BinBox::EMPTY;
     for item in items {
-        bounds.add(item);
+        // SAFETY: as promised.
+        unsafe { bounds.add::<L>(item) };
     }
     bounds
 }

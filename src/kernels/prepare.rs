@@ -182,14 +182,21 @@ fn has_area(t: &Triangle) -> bool {
 
 /// Writes the items of all triangles that can be hit (valid and with an area), in file order, and
 /// the box around them; returns how many there are.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(crate) fn prepare_triangles(mesh: &Mesh, items: &mut [Item]) -> (usize, BinBox) {
+pub(crate) unsafe fn prepare_triangles<L: Lanes>(
+    mesh: &Mesh,
+    items: &mut [Item],
+) -> (usize, BinBox) {
     let mut bounds = BinBox::EMPTY;
     let mut n = 0;
     for (prim, triangle) in mesh.triangles().iter().enumerate() {
         if triangle.is_valid() && has_area(triangle) {
             items[n] = Item::new(triangle, prim as u32);
-            bounds.add(&items[n]);
+            // SAFETY: as promised.
+            unsafe { bounds.add::<L>(&items[n]) };
             n += 1;
         }
     }

@@ -113,12 +113,14 @@ macro_rules! shells {
 
             $(#[$feature])?
             unsafe fn prepare_triangles(mesh: &Mesh, items: &mut [Item]) -> (usize, BinBox) {
-                prepare::prepare_triangles(mesh, items)
+                // SAFETY: as above.
+                unsafe { prepare::prepare_triangles::<L>(mesh, items) }
             }
 
             $(#[$feature])?
             unsafe fn bin(items: &[Item], axes: &[Binning], bins: &mut [Bins; 3]) {
-                bins::bin(items, axes, bins)
+                // SAFETY: as above.
+                unsafe { bins::bin::<L>(items, axes, bins) }
             }
 
             $(#[$feature])?
@@ -133,7 +135,8 @@ macro_rules! shells {
 
             $(#[$feature])?
             unsafe fn unite(items: &[Item]) -> BinBox {
-                bins::unite(items)
+                // SAFETY: as above.
+                unsafe { bins::unite::<L>(items) }
             }
 
             $(#[$feature])?

@@ -227,6 +227,14 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    unsafe fn min8(a: &mut [f32; 8], b: &[f32; 8]) {
+        unsafe {
+            let least = _mm256_min_ps(_mm256_loadu_ps(b.as_ptr()), _mm256_loadu_ps(a.as_ptr()));
+            _mm256_storeu_ps(a.as_mut_ptr(), least);
+        }
+    }
+
+    #[inline(always)]
     unsafe fn compress(m: __m256, v: __m256) -> __m256 {
         unsafe {
             let order = Self::load_u(COMPRESS[Self::bits(m) as usize].as_ptr());

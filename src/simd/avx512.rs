@@ -203,6 +203,14 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    unsafe fn min8(a: &mut [f32; 8], b: &[f32; 8]) {
+        unsafe {
+            let least = _mm256_min_ps(_mm256_loadu_ps(b.as_ptr()), _mm256_loadu_ps(a.as_ptr()));
+            _mm256_storeu_ps(a.as_mut_ptr(), least);
+        }
+    }
+
+    #[inline(always)]
     unsafe fn compress(m: __mmask16, v: __m512) -> __m512 {
         unsafe { _mm512_maskz_compress_ps(m, v) }
     }

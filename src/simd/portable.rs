@@ -183,6 +183,13 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    unsafe fn min8(a: &mut [f32; 8], b: &[f32; 8]) {
+        for i in 0..8 {
+            a[i] = if b[i] < a[i] { b[i] } else { a[i] };
+        }
+    }
+
+    #[inline(always)]
     unsafe fn compress(m: Self::M, v: Self::F) -> Self::F {
         let mut out = v;
         let mut n = 0;
