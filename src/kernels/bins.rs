@@ -160,13 +160,23 @@ pub(crate) unsafe fn bin<L: Lanes>(items: &[Item], axes: &[Binning], bins: &mut 
                     of_z.add::<L>(z.bin(item), item);
                 }
             }
-            _ => {
-                for (binning, bins) in axes.iter().zip(bins) {
-                    for item in items {
-                        bins.add::<L>(binning.bin(item), item);
+            [axis] => {
+                // Neighbours often share a bin, and each would wait for the one before: every other
+                // item goes to a second set.
+                let [bins, others, _] = bins;
+                others.clear(axis.bins());
+                for pair in items.chunks(2) {
+                    bins.add::<L>(axis.bin(&pair[0]), &pair[0]);
+                    if let Some(item) = pair.get(1) {
+                        others.add::<L>(axis.bin(item), item);
                     }
                 }
+                for i in 0..axis.bins() {
+                    L::min8(&mut bins.boxes[i].0, &others.boxes[i].0);
+                    bins.counts[i] += others.counts[i];
+                }
             }
+            _ => unreachable!("one axis or all three"),
         }
     }
 }
