@@ -52,7 +52,7 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                 let [x, y, z, tmin] = L::gather4(rays.directions, s.id.add(at));
                 let direction = [x, y, z];
                 let mut t = L::gather(rays.t, id, active);
-                let mut prim = None;
+                let mut prim = L::splat_u(0);
                 let mut changed = L::first(0);
                 for triangle in chunk {
                     let (mut hit, t_hit) = triangle.intersect::<L, SHARED, SPECIAL>(
@@ -70,16 +70,16 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                     if ANY {
                         t = L::select(hit, L::splat(-1.0), t);
                     } else {
-                        // Of equal t the lowest prim wins; at t = tmax that is a miss's.
-                        let known = match prim {
-                            Some(known) => known,
-                            None => L::gather_u(rays.prim, id, active),
-                        };
                         let new = L::splat_u(triangle.prim);
-                        let tie = L::and(L::eq(t_hit, t), L::lt_u(new, known));
-                        hit = L::and(hit, L::or(L::lt(t_hit, t), tie));
+                        let tie = L::and(hit, L::eq(t_hit, t));
+                        if L::bits(tie) != 0 {
+                            // Of equal t the lowest prim wins; at t = tmax the old one is a miss's.
+                            let found_before = L::gather_u(rays.prim, id, L::and_not(tie, changed));
+                            let old = L::select_u(changed, prim, found_before);
+                            hit = L::and_not(hit, L::and_not(tie, L::lt_u(new, old)));
+                        }
                         t = L::select(hit, t_hit, t);
-                        prim = Some(L::select_u(hit, new, known));
+                        prim = L::select_u(hit, new, prim);
                     }
                     changed = L::or(changed, hit);
                 }
@@ -88,9 +88,7 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                     let mut lane_t = [0f32; crate::simd::MAX_LANES];
                     let mut lane_prim = [0u32; crate::simd::MAX_LANES];
                     L::store(lane_t.as_mut_ptr(), t);
-                    if let Some(prim) = prim {
-                        L::store_u(lane_prim.as_mut_ptr(), prim);
-                    }
+                    L::store_u(lane_prim.as_mut_ptr(), prim);
                     while bits != 0 {
                         let lane = bits.trailing_zeros() as usize;
                         bits &= bits - 1;
