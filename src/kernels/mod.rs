@@ -12,8 +12,8 @@ mod triangle;
 
 pub(crate) use bins::{BinBox, Binning, Bins, Item, MAX_BINS};
 pub(crate) use filter::{BLOCK, Keep};
-pub(crate) use sample::{Candidate, SampleCounts, Samples, first_enters_left};
-pub(crate) use shells::{Draw, Kernels};
+pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_left};
+pub(crate) use shells::Kernels;
 pub use slab::PADDING;
 
 use crate::rays::active::Streams;

@@ -1,7 +1,6 @@
 //! Ray sampling: intersection ratios and order of the candidate splits from sample rays (Nabata
 //! 2013, section 4.1 and Algorithm 2).
 
-use super::shells::Draw;
 use super::slab::SlabBox;
 use super::{List, Rays};
 use crate::geometry::Aabb;
@@ -10,6 +9,16 @@ use crate::simd::{Lanes, MAX_LANES, load3, splat3};
 
 /// The most sample rays a node may have.
 pub(crate) const MAX_SAMPLES: usize = 4096;
+
+/// How sample rays are drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct Draw {
+    pub count: usize,
+    pub replacement: bool,
+    pub seed: u64,
+    /// Key of the node.
+    pub node: u64,
+}
 
 /// A set of sample rays, gathered from a list.
 pub(crate) struct Samples {

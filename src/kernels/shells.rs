@@ -3,7 +3,7 @@
 use super::bins::{self, BinBox, Binning, Bins, Item};
 use super::filter::{self, Keep};
 use super::prepare::{self, PreparedRays};
-use super::sample::{Candidate, SampleCounts, Samples};
+use super::sample::{Candidate, Draw, SampleCounts, Samples};
 use super::{List, Rays, naive};
 use crate::geometry::{Aabb, Mesh, Triangle};
 use crate::rays::Batch;
@@ -11,16 +11,6 @@ use crate::rays::Batch;
 use crate::simd::{Avx2, Avx512};
 use crate::simd::{Isa, Portable};
 use glam::Vec3;
-
-/// How sample rays are drawn.
-#[derive(Clone, Copy)]
-pub(crate) struct Draw {
-    pub count: usize,
-    pub replacement: bool,
-    pub seed: u64,
-    /// Key of the node.
-    pub node: u64,
-}
 
 /// The kernels of one instruction set.
 ///
