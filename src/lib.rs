@@ -16,6 +16,36 @@
 //! assert_eq!(hits.prim, [0, dacrt::MISS]);
 //! assert_eq!(hits.t[0], 1.0 / 3.0);
 //! ```
+//!
+//! # What a hit is
+//!
+//! * A [`Ray`] is `o + t d` for `tmin < t <= tmax`; `d` has any length but zero, and `t` is in units
+//!   of that length. A ray that is not [valid](Ray::is_valid) is a miss, and is counted.
+//! * A [`Triangle`] has two sides, both of which count. Its number, `prim`, is its place in the
+//!   [`Mesh`]. One that is not [valid](Triangle::is_valid), or has no area, is never hit; nor is one
+//!   by a ray in its plane.
+//! * The hit is the least `(t, prim)`: of equal `t` the lowest `prim`. A miss is `t = +inf`,
+//!   `prim = `[`MISS`].
+//! * Whether and where a ray hits a triangle is one function of these two, and of whether all valid
+//!   rays of the batch have the same origin. So the hits have the same bits for every method,
+//!   parameter, seed and instruction set.
+//! * `t` and the test are computed in float32. Near an edge, or near `tmin` and `tmax`, rounding may
+//!   decide; two triangles that share an edge are not promised to leave no gap there. Hits are right
+//!   up to rounding where coordinates, edge lengths and the largest component of `d` are zero or
+//!   between 1e-9 and 1e9 in size; beyond, a trace only ends.
+//!
+//! # Where to look next
+//!
+//! * [`Tracer`] finds the hits: [`Tracer::nearest`], and [`Tracer::any`] for shadow rays. What it
+//!   did is in the [`Counters`] of the [`Trace`] that it returns.
+//! * [`Method`] names the presets, [`Parameters`] has every technique as a switch, with the section
+//!   of the paper that it comes from and what we take where the paper is silent.
+//! * [`Workspace`] is all memory of a trace, linear in rays and triangles. A trace allocates nothing.
+//! * [`scene`] loads OBJ and PLY meshes and makes scenes, [`workloads`] makes the rays of an
+//!   experiment.
+//!
+//! One thread so far. A trace costs a pass over all triangles, however few the rays; the README says
+//! when another method is the better choice, and how fast this one is beside Embree.
 
 pub mod geometry;
 mod kernels;
@@ -31,3 +61,8 @@ pub use kernels::PADDING;
 pub use methods::*;
 pub use rays::{Batch, Hits, MISS, Ray};
 pub use simd::{Isa, UnknownIsa};
+
+/// Compiles and runs the Rust of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
