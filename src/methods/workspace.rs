@@ -6,7 +6,7 @@ use crate::rays::active::ActiveRays;
 
 /// Memory for traces of up to a number of rays and triangles; reused from trace to trace.
 ///
-/// [`Workspace::bytes`] is 104 a ray + 64 a triangle + a constant of about 1.3 MB (exactly: see
+/// [`Workspace::bytes`] is 104 a ray + 64 a triangle + a constant of about 0.72 MB (exactly: see
 /// [`Workspace::bytes_for`]). A trace allocates nothing beyond it.
 pub struct Workspace {
     pub(super) active: ActiveRays,
@@ -43,8 +43,8 @@ impl Workspace {
         Workspace::bytes_for(self.active.rays(), self.items.len())
     }
 
-    /// Bytes that a workspace for so many rays and triangles takes: linear in both, but for rounding
-    /// the rays up to a multiple of 16.
+    /// Bytes that a workspace for so many rays and triangles takes: 84 a ray, with the rays rounded
+    /// up to a multiple of 16, + 20 a ray + 64 a triangle + `bytes_for(0, 0)`.
     pub fn bytes_for(rays: usize, triangles: usize) -> usize {
         ActiveRays::bytes(rays)
             + rays * size_of::<[f32; 5]>()

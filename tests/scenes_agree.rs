@@ -1,0 +1,167 @@
+//! On every scene and for every ray type, nearest and any hit: the same bits from both methods on
+//! all instruction sets, the same counters on all instruction sets.
+
+use dacrt::scene::{self, Light, Scene, SceneError};
+use dacrt::workloads::{Camera, Film, RayType, Workload};
+use dacrt::*;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+/// Scenes of more triangles get 64² pixels instead of 128².
+const LARGE: usize = 1_000_000;
+/// On scenes of more triangles portable code traces only [`FEW`] ray types, to save time.
+const PORTABLE_LIMIT: usize = 500_000;
+const FEW: [RayType; 3] = [RayType::Primary, RayType::ShadowPoint, RayType::Diffuse(2)];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
+}
+
+fn load(name: &str) -> Option<Scene> {
+    let mesh_folders: Vec<PathBuf> = std::env::var_os("DACRT_MESHES")
+        .map(|list| std::env::split_paths(&list).collect())
+        .unwrap_or_default();
+    match Scene::load(&scene::find(name, &folder()).unwrap(), &mesh_folders) {
+        Ok(scene) => Some(scene),
+        Err(SceneError::MissingMesh { file, .. }) => {
+            println!("notice: mesh {} not at hand", file.display());
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// What a trace found: the bits of the nearest hits, or which rays are occluded.
+#[derive(PartialEq)]
+struct Found {
+    t: Vec<u32>,
+    prim: Vec<u32>,
+    occluded: Vec<u8>,
+    /// Of the nearest and of the any-hit trace.
+    traces: [Trace; 2],
+}
+
+fn trace(tracer: Tracer, mesh: &Mesh, batch: &Batch, workspace: &mut Workspace) -> Found {
+    let mut hits = Hits::misses(batch.len());
+    let mut occluded = vec![2; batch.len()];
+    let traces = [
+        tracer.nearest(mesh, batch, workspace, &mut hits),
+        tracer.any(mesh, batch, workspace, &mut occluded),
+    ];
+    Found {
+        t: hits.t.iter().map(|t| t.to_bits()).collect(),
+        prim: hits.prim,
+        occluded,
+        traces,
+    }
+}
+
+fn different<T: PartialEq>(a: &[T], b: &[T]) -> usize {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
+}
+
+fn check(name: &str) {
+    let Some(scene) = load(name) else { return };
+    let mesh = &scene.mesh;
+    let edge = if mesh.len() > LARGE { 64 } else { 128 };
+    let film = Film::new(edge, edge, 1).unwrap();
+    let mut workspace = Workspace::new(film.rays(), mesh.len());
+    let view = &scene.description.cameras[0];
+    let [eye, look_at, up] = [view.eye, view.look_at, view.up].map(DVec3::from_array);
+    let camera = Camera::new(eye, look_at, up, view.fov_degrees).unwrap();
+    let light = scene.description.lights.first().map(|light| match light {
+        Light::Point { position } => DVec3::from_array(*position).as_vec3(),
+    });
+    let mut workload = Workload::new(mesh, camera, film, light, 0).unwrap();
+
+    let mut all_hits = 0;
+    for ray_type in RayType::ALL {
+        let batch = workload
+            .rays(ray_type, &mut |batch| {
+                let mut hits = Hits::misses(batch.len());
+                let tracer = Tracer::new(Method::Afra2012.parameters());
+                tracer.nearest(mesh, batch, &mut workspace, &mut hits);
+                hits
+            })
+            .unwrap()
+            .batch;
+        let mut first: Option<Found> = None;
+        for method in Method::ALL {
+            let mut counted: Option<[Trace; 2]> = None;
+            for isa in Isa::available() {
+                if isa == Isa::Portable && mesh.len() > PORTABLE_LIMIT && !FEW.contains(&ray_type) {
+                    continue;
+                }
+                let at = format!("{name} {ray_type} {method} {isa}");
+                let tracer = Tracer::new(method.parameters()).with_isa(isa);
+                let found = trace(tracer, mesh, &batch, &mut workspace);
+                let reference = counted.get_or_insert(found.traces);
+                assert_eq!(&found.traces, reference, "{at}");
+                match &first {
+                    None => {
+                        for (&prim, &occluded) in found.prim.iter().zip(&found.occluded) {
+                            assert_eq!(occluded, (prim != MISS) as u8, "{at}");
+                        }
+                        all_hits += found.prim.iter().filter(|&&p| p != MISS).count();
+                        first = Some(found);
+                    }
+                    Some(first) => {
+                        assert_eq!(different(&found.prim, &first.prim), 0, "prim, {at}");
+                        assert_eq!(different(&found.t, &first.t), 0, "t, {at}");
+                        assert_eq!(different(&found.occluded, &first.occluded), 0, "any, {at}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(all_hits > film.rays() / 2, "{name}: only {all_hits} hits");
+}
+
+/// One test a scene, so that they run at the same time.
+macro_rules! scenes {
+    ($($test:ident: $name:literal,)*) => {
+        $(
+            #[test]
+            fn $test() {
+                check($name);
+            }
+        )*
+
+        #[test]
+        fn no_scene_is_left_out() {
+            assert_eq!(scene::names(&folder()).unwrap(), [$($name),*]);
+        }
+    };
+}
+
+scenes! {
+    armadillo: "armadillo",
+    buddha: "buddha",
+    bunny: "bunny",
+    conference: "conference",
+    cornell: "cornell",
+    dragon: "dragon",
+    hall: "hall",
+    hand: "hand",
+    kitchen: "kitchen",
+    lucy: "lucy",
+    relief: "relief",
+    sanmiguel: "sanmiguel",
+    sanmiguel_tables: "sanmiguel-tables",
+    sibenik: "sibenik",
+    soup: "soup",
+    sponza: "sponza",
+    sponza_crytek: "sponza-crytek",
+    sponza_dabrovic: "sponza-dabrovic",
+    toasters: "toasters",
+}
+
+#[test]
+fn instruction_sets() {
+    for isa in Isa::ALL {
+        if !isa.is_available() {
+            println!("notice: this processor has no {isa}");
+        }
+    }
+}
