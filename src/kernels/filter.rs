@@ -198,3 +198,6 @@ pub(crate) unsafe fn count<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         (n, tested)
     }
 }
+
+#[cfg(test)]
+mod tests;
