@@ -32,7 +32,6 @@ fn load(name: &str) -> Option<Scene> {
 }
 
 /// What a trace found: the bits of the nearest hits, or which rays are occluded.
-#[derive(PartialEq)]
 struct Found {
     t: Vec<u32>,
     prim: Vec<u32>,
@@ -67,6 +66,7 @@ fn check(name: &str) {
     let edge = if mesh.len() > LARGE { 64 } else { 128 };
     let film = Film::new(edge, edge, 1).unwrap();
     let mut workspace = Workspace::new(film.rays(), mesh.len());
+    let mut other_workspace = Workspace::new(film.rays(), mesh.len());
     let view = &scene.description.cameras[0];
     let [eye, look_at, up] = [view.eye, view.look_at, view.up].map(DVec3::from_array);
     let camera = Camera::new(eye, look_at, up, view.fov_degrees).unwrap();
@@ -86,32 +86,37 @@ fn check(name: &str) {
             })
             .unwrap()
             .batch;
-        let mut first: Option<Found> = None;
-        for method in Method::ALL {
-            let mut counted: Option<[Trace; 2]> = None;
-            for isa in Isa::available() {
-                if isa == Isa::Portable && mesh.len() > PORTABLE_LIMIT && !FEW.contains(&ray_type) {
-                    continue;
-                }
-                let at = format!("{name} {ray_type} {method} {isa}");
+        let isas = Isa::available().filter(|isa| {
+            *isa != Isa::Portable || mesh.len() <= PORTABLE_LIMIT || FEW.contains(&ray_type)
+        });
+        let isas: Vec<Isa> = isas.collect();
+        let traced = |method: Method, workspace: &mut Workspace| -> Vec<Found> {
+            let mut found = Vec::new();
+            for &isa in &isas {
                 let tracer = Tracer::new(method.parameters()).with_isa(isa);
-                let found = trace(tracer, mesh, &batch, &mut workspace);
-                let reference = counted.get_or_insert(found.traces);
-                assert_eq!(&found.traces, reference, "{at}");
-                match &first {
-                    None => {
-                        for (&prim, &occluded) in found.prim.iter().zip(&found.occluded) {
-                            assert_eq!(occluded, (prim != MISS) as u8, "{at}");
-                        }
-                        all_hits += found.prim.iter().filter(|&&p| p != MISS).count();
-                        first = Some(found);
-                    }
-                    Some(first) => {
-                        assert_eq!(different(&found.prim, &first.prim), 0, "prim, {at}");
-                        assert_eq!(different(&found.t, &first.t), 0, "t, {at}");
-                        assert_eq!(different(&found.occluded, &first.occluded), 0, "any, {at}");
-                    }
-                }
+                found.push(trace(tracer, mesh, &batch, workspace));
+            }
+            found
+        };
+        // One thread a method, so that the largest scene, the last to end, uses two processors.
+        let [baseline, sampling] = Method::ALL;
+        let (baseline, sampling) = std::thread::scope(|scope| {
+            let other = scope.spawn(|| traced(sampling, &mut other_workspace));
+            (traced(baseline, &mut workspace), other.join().unwrap())
+        });
+
+        let first = &baseline[0];
+        for (&prim, &occluded) in first.prim.iter().zip(&first.occluded) {
+            assert_eq!(occluded, (prim != MISS) as u8, "{name} {ray_type}");
+        }
+        all_hits += first.prim.iter().filter(|&&p| p != MISS).count();
+        for (method, found) in Method::ALL.into_iter().zip([&baseline, &sampling]) {
+            for (isa, f) in isas.iter().zip(found) {
+                let at = format!("{name} {ray_type} {method} {isa}");
+                assert_eq!(f.traces, found[0].traces, "{at}");
+                assert_eq!(different(&f.prim, &first.prim), 0, "prim, {at}");
+                assert_eq!(different(&f.t, &first.t), 0, "t, {at}");
+                assert_eq!(different(&f.occluded, &first.occluded), 0, "any hit, {at}");
             }
         }
     }

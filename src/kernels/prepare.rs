@@ -118,7 +118,7 @@ pub(crate) unsafe fn shared_origin<L: Lanes>(batch: &Batch) -> Option<Vec3> {
 }
 
 /// Writes the root list of all valid rays, and for each ray the best hit so far: its tmax. Invalid
-/// rays get into no list.
+/// rays get into no list; their best hit is at infinity.
 ///
 /// # Safety
 /// The processor has `L`'s instruction set; `rays` has room for the batch and a whole vector.
@@ -153,7 +153,9 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
                 }
             }
             L::store_u(s.id.add(n), L::compress_u(valid, L::count_from(at as u32)));
-            L::store_first(rays.t.add(at), tmax, left.min(L::N));
+            // An invalid ray's tmax may be the very mark of an occluded ray.
+            let best = L::select(valid, tmax, infinity);
+            L::store_first(rays.t.add(at), best, left.min(L::N));
             for i in at..batch.len().min(at + L::N) {
                 let d = &batch.direction;
                 *rays.directions.add(i) = [d[0][i], d[1][i], d[2][i], batch.tmin[i]];
