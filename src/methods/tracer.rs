@@ -81,7 +81,8 @@ impl Tracer {
         workspace: &mut Workspace,
         hits: &mut Hits,
     ) -> Trace {
-        assert_eq!(hits.len(), batch.len(), "one hit record a ray");
+        let lengths = [hits.t.len(), hits.prim.len()];
+        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
         hits.prim.fill(MISS);
         let (t, prim) = (hits.t.as_mut_ptr(), hits.prim.as_mut_ptr());
         let trace = self.trace(mesh, batch, workspace, t, Some(prim));
