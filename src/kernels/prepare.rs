@@ -152,7 +152,13 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
                     L::store(s.origin[axis].add(n), L::compress(valid, origin[axis]));
                 }
             }
-            L::store_u(s.id.add(n), L::compress_u(valid, L::count_from(at as u32)));
+            // Lanes behind the batch name a ray too: compressing may leave any lane behind the list.
+            let id = L::select_u(
+                L::first(left),
+                L::count_from(at as u32),
+                L::splat_u(at as u32),
+            );
+            L::store_u(s.id.add(n), L::compress_u(valid, id));
             // An invalid ray's tmax may be the very mark of an occluded ray.
             let best = L::select(valid, tmax, infinity);
             L::store_first(rays.t.add(at), best, left.min(L::N));
@@ -204,3 +210,6 @@ pub(crate) unsafe fn prepare_triangles<L: Lanes>(
     }
     (n, bounds)
 }
+
+#[cfg(test)]
+mod tests;

@@ -99,7 +99,7 @@ pub(crate) trait Lanes: Copy {
     /// cannot be forwarded to the next load: twice the time of binning.
     unsafe fn min8(a: &mut [f32; 8], b: &[f32; 8]);
 
-    /// The set lanes moved to the front in their order; what follows them is unspecified.
+    /// The set lanes moved to the front in their order; what follows them are lanes of `v` or zeros.
     unsafe fn compress(m: Self::M, v: Self::F) -> Self::F;
     /// As [`Lanes::compress`].
     unsafe fn compress_u(m: Self::M, v: Self::U) -> Self::U;

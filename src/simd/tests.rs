@@ -262,6 +262,8 @@ mod of {
                     integers::<L>(L::compress_u(m, u)),
                 );
                 let kept = (0..L::N).filter(|i| bits >> i & 1 == 1);
+                // The rest is unspecified, but never a new number.
+                assert!(g.iter().all(|x| *x == 0 || all_u.contains(x)), "{bits:b}");
                 for (place, lane) in kept.enumerate() {
                     assert_eq!(f[place].to_bits(), all[lane].to_bits(), "{bits:b}");
                     assert_eq!(g[place], all_u[lane], "{bits:b}");
