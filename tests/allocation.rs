@@ -130,3 +130,9 @@ fn a_workspace_is_linear_in_rays_and_triangles() {
         assert_eq!(Workspace::bytes_for(rays, 0), bytes);
     }
 }
+
+#[test]
+#[should_panic(expected = "at most 10^9 rays")]
+fn a_workspace_refuses_more_rays_than_gathers_can_name() {
+    Workspace::new(1 << 30, 0);
+}

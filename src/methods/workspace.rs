@@ -24,9 +24,10 @@ impl Workspace {
     /// Memory for batches of up to `rays` rays and meshes of up to `triangles` triangles.
     ///
     /// # Panics
-    /// If there are 2^31 rays or more.
+    /// If there are more than 10⁹ rays.
     pub fn new(rays: usize, triangles: usize) -> Workspace {
-        assert!(rays < 1 << 31, "a batch has fewer than 2^31 rays");
+        // Gathers take places of records, of which there are twice as many, as signed 32-bit numbers.
+        assert!(rays <= 1_000_000_000, "a batch has at most 10^9 rays");
         Workspace {
             active: ActiveRays::new(rays),
             directions: vec![[0.0; 4]; rays],
