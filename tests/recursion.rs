@@ -1,0 +1,219 @@
+//! Meshes and batches that are hard on the recursion and on the memory of a trace.
+
+mod common;
+
+use common::{Case, bits, brute_force, random_rays, soup};
+use dacrt::*;
+use glam::Vec3;
+
+/// Both presets, and both down to single triangles and rays.
+fn all_parameters() -> Vec<Parameters> {
+    let mut all = Vec::new();
+    for method in Method::ALL {
+        let preset = method.parameters();
+        let fine = Parameters {
+            leaf_triangles: 1,
+            leaf_rays: 0,
+            ..preset
+        };
+        let longest = Parameters {
+            axes: Axes::Longest,
+            bins: 2,
+            ..fine
+        };
+        all.extend([preset, fine, longest]);
+    }
+    all
+}
+
+/// Traces on a thread with a small stack; the hits are those of the naive step over everything.
+/// Returns the counters of all traces.
+fn check(mesh: Mesh, batch: Batch) -> Vec<Counters> {
+    let mut case = Case::new(mesh, batch);
+    let trace = move || {
+        let (expected, _) = case.nearest(Tracer::new(brute_force()));
+        let mut counters = Vec::new();
+        for parameters in all_parameters() {
+            for isa in Isa::available() {
+                let tracer = Tracer::new(parameters).with_isa(isa);
+                let (hits, trace) = case.nearest(tracer);
+                assert_eq!(bits(&hits), bits(&expected), "{tracer:?}");
+                let (occluded, _) = case.any(tracer);
+                for (&prim, occluded) in expected.prim.iter().zip(occluded) {
+                    assert_eq!(occluded, (prim != MISS) as u8, "{tracer:?}");
+                }
+                counters.push(trace.counters);
+            }
+        }
+        counters
+    };
+    std::thread::Builder::new()
+        .stack_size(256 << 10)
+        .spawn(trace)
+        .unwrap()
+        .join()
+        .unwrap()
+}
+
+/// A triangle at `center`, about `size` large.
+fn small(center: Vec3, size: f32) -> Triangle {
+    let corner = |x, y, z| center + size * Vec3::new(x, y, z);
+    Triangle::new(
+        corner(-1.0, -1.0, 0.25),
+        corner(1.0, -1.0, -0.5),
+        corner(0.0, 1.0, 0.125),
+    )
+}
+
+#[test]
+fn exponentially_spaced_triangles_end() {
+    // Each split of the box in the middle takes off one size only: 150 levels of them.
+    for step in [1.0, 0.5, 0.125] {
+        let triangles = (0..(150.0 / step) as i32)
+            .map(|i| {
+                let x = 2f32.powf(60.0 - step * i as f32);
+                small(Vec3::new(x, 0.1 * x, -0.1 * x), x / 64.0)
+            })
+            .collect();
+        let batch = (0..300)
+            .map(|i| {
+                let x = 2f32.powi(60 - i / 2);
+                let y = (i % 5) as f32 * 0.003;
+                let target = Vec3::new(x, (0.1 + y) * x, -0.1 * x);
+                Ray::new(Vec3::ZERO, target / x)
+            })
+            .collect();
+        let counters = check(Mesh::new(triangles), batch);
+        assert!(counters.iter().any(|c| c.nodes > 200), "{counters:#?}");
+    }
+}
+
+#[test]
+fn identical_triangles_end() {
+    let batch = random_rays(200, 1, false);
+    for n in [2, 9, 1000, 5000] {
+        check(Mesh::new(vec![small(Vec3::ZERO, 0.7); n]), batch.clone());
+    }
+}
+
+#[test]
+fn centers_in_one_bin_end() {
+    // Large triangles whose centres are closer to each other than any bin is wide.
+    let triangles = (0..2000)
+        .map(|i| {
+            let center = Vec3::new(i as f32, (i % 7) as f32, (i % 13) as f32) * 1e-6;
+            small(center, 1.0)
+        })
+        .collect();
+    check(Mesh::new(triangles), random_rays(300, 2, true));
+}
+
+#[test]
+fn flat_and_thin_meshes_end() {
+    // All in one plane, then all around one line.
+    for squash in [Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 1e-30, 1e-30)] {
+        let triangles = soup(1000, 3).into_triangles().into_iter();
+        let squashed = triangles.map(|t| Triangle::new(t.a * squash, t.b * squash, t.c * squash));
+        check(Mesh::new(squashed.collect()), random_rays(500, 4, false));
+    }
+}
+
+#[test]
+fn coordinates_of_the_largest_size_end() {
+    let huge = soup(500, 5).into_triangles().into_iter();
+    let huge = huge.map(|t| Triangle::new(t.a * 5e17, t.b * 5e17, t.c * 5e17));
+    check(Mesh::new(huge.collect()), random_rays(500, 6, false));
+}
+
+#[test]
+fn nothing_and_next_to_nothing() {
+    let meshes = [
+        Mesh::default(),
+        Mesh::new(vec![small(Vec3::ZERO, 1.0)]),
+        Mesh::new(vec![Triangle::new(Vec3::NAN, Vec3::X, Vec3::Y)]),
+        Mesh::new(vec![Triangle::new(Vec3::X, Vec3::X, Vec3::Y); 20]),
+        soup(50, 1),
+    ];
+    let batches = [
+        Batch::default(),
+        [Ray::new(Vec3::new(0.0, 0.0, -3.0), Vec3::Z)]
+            .into_iter()
+            .collect(),
+        [Ray::new(Vec3::NAN, Vec3::Z)].into_iter().collect(),
+        random_rays(100, 1, false),
+    ];
+    for mesh in &meshes {
+        for batch in &batches {
+            check(mesh.clone(), batch.clone());
+        }
+    }
+    let mut case = Case::new(meshes[1].clone(), batches[1].clone());
+    let (hits, trace) = case.nearest(Tracer::new(Method::Nabata2013.parameters()));
+    assert_eq!(hits.prim, [0]);
+    assert_eq!((trace.counters.nodes, trace.counters.leaves), (1, 1));
+    assert_eq!(trace.counters.ray_triangle, 1);
+}
+
+#[test]
+fn a_workspace_serves_smaller_batches_and_meshes() {
+    let mut large = Case::new(soup(2000, 1), random_rays(5000, 2, false));
+    let tracer = Tracer::new(Method::Nabata2013.parameters());
+    large.nearest(tracer);
+    let mut small = Case::new(soup(300, 3), random_rays(77, 4, false));
+    let (expected, _) = small.nearest(tracer);
+    std::mem::swap(&mut small.workspace, &mut large.workspace);
+    for isa in Isa::available() {
+        let (hits, _) = small.nearest(tracer.with_isa(isa));
+        assert_eq!(bits(&hits), bits(&expected), "{isa}");
+    }
+}
+
+/// Records that lists may use, as the workspace's memory has them: 2n and a constant.
+fn capacity(rays: usize) -> u64 {
+    2 * rays.next_multiple_of(16) as u64 + 16_384
+}
+
+#[test]
+fn lists_stay_within_their_memory() {
+    let n = 60_000;
+    // All rays in the same direction through everything: each filter keeps all or nearly all.
+    let beam: Batch = (0..n)
+        .map(|i| {
+            let (x, y) = ((i % 250) as f32, (i / 250) as f32);
+            let origin = Vec3::new(-5.0, x / 500.0 - 0.25, y / 500.0 - 0.25);
+            Ray::new(origin, Vec3::new(1.0, 1e-3, -1e-3))
+        })
+        .collect();
+    // Walls that never stop a ray (it hits nothing but the last), behind each other.
+    let frame = |x: f32| {
+        let corner = |y, z| Vec3::new(x, y, z);
+        [
+            Triangle::new(corner(-3.0, -3.0), corner(3.0, -3.0), corner(0.0, -2.9)),
+            Triangle::new(corner(-3.0, 3.0), corner(3.0, 3.0), corner(0.0, 2.9)),
+        ]
+    };
+    let frames = Mesh::new((0..400).flat_map(|i| frame(i as f32 / 100.0)).collect());
+    let parallel = check_lists(frames, beam, n);
+    assert_eq!(parallel, n as u64, "nothing is copied");
+    // And rays of all kinds: filters keep every share there is.
+    check_lists(soup(3000, 7), random_rays(n, 8, false), n);
+    check_lists(soup(3000, 7), random_rays(n, 8, true), n);
+}
+
+/// Checks the peak of all parameters; returns the largest.
+fn check_lists(mesh: Mesh, batch: Batch, n: usize) -> u64 {
+    let mut case = Case::new(mesh, batch);
+    let mut most = 0;
+    let mut reference = None;
+    for parameters in all_parameters() {
+        for skip in [0.5, 1.0] {
+            let tracer = Tracer::new(Parameters { skip, ..parameters });
+            let (hits, trace) = case.nearest(tracer);
+            let peak = trace.counters.peak_list;
+            assert!(peak <= capacity(n), "{peak} {tracer:?}");
+            most = most.max(peak);
+            assert_eq!(&hits, reference.get_or_insert(hits.clone()), "{tracer:?}");
+        }
+    }
+    most
+}
