@@ -332,3 +332,6 @@ impl Divide<'_> {
         child.ratio = Some(kept as f32 / self.samples.len() as f32);
     }
 }
+
+#[cfg(test)]
+mod tests;
