@@ -96,3 +96,6 @@ impl<L: Lanes> SlabBox<L> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
