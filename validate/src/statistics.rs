@@ -126,6 +126,7 @@ mod tests {
     #[test]
     fn geometric_means() {
         assert_eq!(geometric_mean(&[]), None);
-        assert!((geometric_mean(&[2.0, 8.0]).unwrap() - 4.0).abs() < 1e-12);
+        let mean = geometric_mean(&[2.0, 8.0]).unwrap();
+        approx::assert_relative_eq!(mean, 4.0, max_relative = 1e-12);
     }
 }

@@ -3,52 +3,40 @@
 use super::color::srgb;
 use anyhow::Context;
 use dacrt_validate::atomic;
-use std::fs::File;
-use std::io::BufWriter;
+use image::{ImageFormat, Rgb, RgbImage};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// 8-bit sRGB pixels, row by row from the top left.
-pub struct Picture {
-    width: u32,
-    height: u32,
-    pixels: Vec<[u8; 3]>,
-}
+pub struct Picture(RgbImage);
 
 impl Picture {
     /// A black picture.
     pub fn new(width: u32, height: u32) -> Picture {
-        Picture {
-            width,
-            height,
-            pixels: vec![[0; 3]; width as usize * height as usize],
-        }
+        Picture(RgbImage::new(width, height))
     }
 
     /// A picture of linear colours, row by row.
     pub fn from_linear(width: u32, height: u32, colors: &[glam::Vec3]) -> Picture {
-        Picture {
-            width,
-            height,
-            pixels: colors.iter().map(|c| c.to_array().map(srgb)).collect(),
-        }
+        let bytes = colors.iter().flat_map(|c| c.to_array().map(srgb));
+        let pixels = RgbImage::from_raw(width, height, bytes.collect());
+        Picture(pixels.expect("a colour for each pixel"))
     }
 
     /// Sets the pixel in column `x` and row `y`.
     pub fn set(&mut self, (x, y): (u32, u32), color: [u8; 3]) {
-        self.pixels[y as usize * self.width as usize + x as usize] = color;
+        self.0.put_pixel(x, y, Rgb(color));
     }
 
     /// Writes a PNG file; what is there stays if that fails.
     pub fn save(&self, path: &Path) -> anyhow::Result<()> {
-        let write = |file: &mut File| {
-            let mut encoder = png::Encoder::new(BufWriter::new(file), self.width, self.height);
-            encoder.set_color(png::ColorType::Rgb);
-            encoder.set_depth(png::BitDepth::Eight);
-            encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-            let mut writer = encoder.write_header()?;
-            writer.write_image_data(self.pixels.as_flattened())?;
-            Ok(writer.finish()?)
-        };
-        atomic::write(path, write).with_context(|| format!("cannot write {}", path.display()))
+        atomic::write(path, |file| {
+            let mut file = BufWriter::new(file);
+            self.0
+                .write_to(&mut file, ImageFormat::Png)
+                .map_err(io::Error::other)?;
+            file.flush()
+        })
+        .with_context(|| format!("cannot write {}", path.display()))
     }
 }
