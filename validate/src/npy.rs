@@ -182,7 +182,10 @@ impl Header {
             .map_err(NpyProblem::Read)?;
         let &[0x93, b'N', b'U', b'M', b'P', b'Y', major, minor] = &start[..] else {
             return Err(NpyProblem::Magic {
-                found: start.escape_ascii().to_string(),
+                found: match &start[..] {
+                    [] => "an empty file".to_owned(),
+                    start => start.escape_ascii().to_string(),
+                },
                 npz: start.starts_with(b"PK"),
             });
         };

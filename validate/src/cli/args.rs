@@ -4,7 +4,10 @@
 use super::knobs::KnobLists;
 use super::size::{Resolution, Spp};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Traces ray batches by divide and conquer (DACRT), checks every hit against Embree 4, and
 /// measures both.
@@ -45,6 +48,17 @@ pub enum Command {
     Env(EnvArgs),
 }
 
+/// Reads a whole number in a range.
+fn whole<T: FromStr + PartialOrd + Display + Clone>(
+    range: RangeInclusive<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|n| range.contains(n));
+        let (least, most) = (range.start(), range.end());
+        number.ok_or_else(|| format!("expected a whole number from {least} to {most}"))
+    }
+}
+
 /// Where meshes are.
 #[derive(Args)]
 pub struct MeshArgs {
@@ -68,10 +82,22 @@ pub struct EngineArgs {
     #[arg(long, default_value = "fast")]
     pub precision: String,
     /// Threads to trace with; 1 is the only number so far
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(
+        long,
+        default_value_t = 1,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole(0..=u32::MAX)
+    )]
     pub threads: u32,
     /// Seed of every random choice
-    #[arg(long, default_value_t = 1)]
+    #[arg(
+        long,
+        default_value_t = 1,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole(0..=u64::MAX)
+    )]
     pub seed: u64,
 }
 
@@ -89,12 +115,13 @@ Examples:
   dacrt run --scenes sibenik --rays primary --samples 25,50,100,200 --threshold 0,1.5,3
   dacrt run --scenes sibenik --resolution 512 --spp 64 --rays primary
 
-How to read the table: `vs afra2012` is the time of afra2012 over the time of this method, with
-its 95 % bootstrap interval, marked `<` if all of it is below 1; `vs Embree` is Embree's best time
-over the time of this method, build and trace together (total) and trace alone (trace). Above 1,
-this method is faster. `diff` has the rays that are wrong, or that float64 cannot show to be right
-within float32 rounding, over all on which our hits and those of either Embree mode differ. Any of
-the former makes the exit code 1, and the cell has no times. Slowest first.")]
+The table: a line a cell, the slowest method first. `vs afra2012` is the time of afra2012 over that
+of this method with its 95 % bootstrap interval, marked `<` if all of it is below 1; `vs Embree`
+is the best time of Embree over that of this method. `diff` is two counts of rays: those whose hit
+is wrong, or cannot be shown in float64 to be right within float32 rounding, and all those on
+which our hits differ from either Embree mode. The first has to be 0: else the cell has no times,
+the result file has the rays (`dacrt trace --help` says how to trace them again), and the exit
+code is 1.")]
 pub struct RunArgs {
     /// Scenes to trace (see `dacrt scenes`) [default: hall,relief,soup,sibenik,conference,sponza]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
@@ -116,14 +143,26 @@ pub struct RunArgs {
         long,
         value_delimiter = ',',
         value_name = "N|WxH",
-        default_value = "512"
+        default_value = "512",
+        allow_negative_numbers = true
     )]
     pub resolution: Vec<Resolution>,
     /// Samples per pixel, square numbers
-    #[arg(long, value_delimiter = ',', value_name = "N", default_value = "1")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "N",
+        default_value = "1",
+        allow_negative_numbers = true
+    )]
     pub spp: Vec<Spp>,
     /// Measured repeats of each contestant [default: 5; 3 without --scenes]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole(1..=1000u32)
+    )]
     pub repeats: Option<u32>,
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-run.json")]
@@ -146,14 +185,21 @@ lies at tmin < t <= tmax. The hits are written as `t` (float32) and `prim` (uint
 the triangle in file order); a miss is t = +inf, prim = 4294967295. With --any-hit there is one
 array `occluded` (uint8) instead. Exit code 0 with or without hits.
 
-Example:
+Examples:
   python3 -c \"import numpy as n; r = n.zeros((1000, 8), '<f4'); r[:, 2] = 9; r[:, 4:6] = \\
       n.random.rand(1000, 2) - .5; r[:, 6] = -1; r[:, 7] = n.inf; n.save('rays.npy', r)\"
-  dacrt trace --mesh bunny.ply --rays rays.npy --method nabata2013 --out hits.npz")]
+  dacrt trace --mesh bunny.ply --rays rays.npy --method nabata2013 --out hits.npz
+
+The offending rays that `dacrt run` kept of a cell, here the first of the file, once more (where
+its rays have origins of their own, a ray from elsewhere sees to it that these are traced so):
+  python3 -c \"import json, numpy as n; c = json.load(open('dacrt-run.json'))['cells'][0]; \\
+      r = [o['ray'] for o in c['diff']['offending']]; \\
+      r += [[9, 9, 9, 0, 1, 1, 1, 1]] * (not c['shared_origin']); \\
+      n.save('rays.npy', n.array(r, '<f4').reshape(-1, 8))\"
+  dacrt trace --scene hall --rays rays.npy --method nabata2013 --out hits.npz")]
 pub struct TraceArgs {
-    /// Mesh: OBJ or PLY, plain or gzip
-    #[arg(long, value_name = "FILE")]
-    pub mesh: PathBuf,
+    #[command(flatten)]
+    pub target: TargetArgs,
     /// Rays: .npy, float32 [N, 8]
     #[arg(long, value_name = "FILE")]
     pub rays: PathBuf,
@@ -170,9 +216,23 @@ pub struct TraceArgs {
     #[arg(long)]
     pub counters: bool,
     #[command(flatten)]
+    pub meshes: MeshArgs,
+    #[command(flatten)]
     pub engine: EngineArgs,
     #[command(flatten)]
     pub knobs: KnobLists,
+}
+
+/// What is traced: one of the two.
+#[derive(Args)]
+#[group(required = true, multiple = false)]
+pub struct TargetArgs {
+    /// Mesh: OBJ or PLY, plain or gzip
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// The meshes of a scene instead (see `dacrt scenes`)
+    #[arg(long, value_name = "NAME")]
+    pub scene: Option<String>,
 }
 
 /// What a picture shows.
@@ -216,10 +276,20 @@ pub struct RenderArgs {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "shaded")]
     pub what: Vec<What>,
     /// Picture size in pixels
-    #[arg(long, value_name = "N|WxH", default_value = "512")]
+    #[arg(
+        long,
+        value_name = "N|WxH",
+        default_value = "512",
+        allow_negative_numbers = true
+    )]
     pub resolution: Resolution,
     /// Samples per pixel of the shaded picture, a square number
-    #[arg(long, value_name = "N", default_value = "16")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "16",
+        allow_negative_numbers = true
+    )]
     pub spp: Spp,
     /// A .png file (one picture), or a folder for SCENE-WHAT.png [default: this folder]
     #[arg(long, value_name = "PATH")]

@@ -6,7 +6,7 @@ use super::source::{mesh_folders, scene_folder};
 use super::text::{columns, print};
 use dacrt::Isa;
 use dacrt_validate::embree::Device;
-use dacrt_validate::machine::{Embree, Machine, Software};
+use dacrt_validate::machine::{Machine, Software};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -26,22 +26,12 @@ struct MeshFolder {
     exists: bool,
 }
 
-/// The library, as result files name it.
-pub fn embree(device: &Device) -> Embree {
-    let info = device.info();
-    Embree {
-        version: info.version.clone(),
-        isa: info.isa.clone(),
-        library: info.library.clone(),
-    }
-}
-
 /// Prints it all, as text or JSON.
 pub fn env(args: &EnvArgs) -> anyhow::Result<Verdict> {
     let folders = mesh_folders(&args.meshes).into_iter();
     let env = Env {
         machine: Machine::here(&Isa::best().to_string()),
-        software: Software::this(Some(embree(&Device::new(1)?))),
+        software: Software::this(Some(Device::new(1)?.info().into())),
         isa_available: Isa::available().map(|i| i.to_string()).collect(),
         scene_folder: scene_folder(),
         mesh_folders: folders

@@ -1,6 +1,6 @@
 //! The parameters of the methods as command-line options, and the grid that lists of values span.
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use clap::{Arg, ArgMatches, Command};
 use dacrt::{Method, Parameters};
 use serde_json::{Map, Value};
@@ -90,8 +90,14 @@ fn with(parameters: &Parameters, knob: &str, text: &str) -> anyhow::Result<Param
     let mut all = fields(parameters);
     // What is no number and no truth value is a word.
     let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
-    all.insert(field(knob), value);
-    let changed: Parameters = serde_json::from_value(Value::Object(all))?;
+    let before = all.insert(field(knob), value);
+    let changed: Parameters =
+        serde_json::from_value(Value::Object(all)).map_err(|error| match before {
+            Some(Value::Number(n)) if n.is_u64() => anyhow!("expected a whole number"),
+            Some(Value::Number(_)) => anyhow!("expected a number"),
+            Some(Value::Bool(_)) => anyhow!("expected true or false"),
+            _ => error.into(),
+        })?;
     changed.check()?;
     // Beyond the largest float32.
     ensure!(
@@ -134,6 +140,7 @@ impl clap::Args for KnobLists {
                     .long(name)
                     .value_name("VALUES")
                     .value_delimiter(',')
+                    .allow_negative_numbers(true)
                     .value_parser(move |text: &str| {
                         with(&preset, name, text).map(|_| text.to_owned())
                     })

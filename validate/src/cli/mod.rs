@@ -45,7 +45,7 @@ pub fn main() -> ExitCode {
         Ok(Verdict::Good) => ExitCode::SUCCESS,
         Ok(Verdict::Finding) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("error: {error:#}");
+            text::complain(&format!("error: {}", text::one_line(&error)));
             ExitCode::from(2)
         }
     }

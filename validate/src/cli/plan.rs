@@ -186,20 +186,26 @@ pub fn engine(args: &EngineArgs) -> anyhow::Result<Engine> {
         None => Isa::best(),
         Some(name) => {
             let isa = Isa::from_str(name).ok();
-            let names = ["avx512", "avx2", "portable"];
+            let names = Isa::ALL.map(Isa::name);
             isa.with_context(|| format!("--isa: {}", no_such("instruction set", name, &names)))?
         }
     };
-    let available: Vec<String> = Isa::available().map(|i| i.to_string()).collect();
-    ensure!(
-        available.contains(&isa.to_string()),
-        "--isa {isa}: this processor does not have it; it has {}",
-        available.join(", ")
-    );
+    let available: Vec<Isa> = Isa::available().collect();
+    check_available(isa, &available)?;
     Ok(Engine {
         isa,
         seed: args.seed,
     })
+}
+
+fn check_available(isa: Isa, available: &[Isa]) -> anyhow::Result<()> {
+    let names: Vec<&str> = available.iter().map(|i| i.name()).collect();
+    ensure!(
+        available.contains(&isa),
+        "--isa {isa}: this processor does not have it; it has {}",
+        names.join(", ")
+    );
+    Ok(())
 }
 
 /// The pixels and samples; an error if the machine has too little memory for so many rays.
@@ -247,13 +253,14 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
     };
-    match tempfile::tempfile_in(folder) {
-        Ok(_) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            bail!("{}: there is no folder {}", cannot(), folder.display())
-        }
-        Err(error) => Err(error).with_context(cannot),
-    }
+    ensure!(
+        folder.is_dir(),
+        "{}: there is no folder {}",
+        cannot(),
+        folder.display()
+    );
+    tempfile::tempfile_in(folder).with_context(cannot)?;
+    Ok(())
 }
 
 /// Every name once, in the order typed.
@@ -261,4 +268,18 @@ fn distinct(names: &[String]) -> impl Iterator<Item = &str> {
     let first = |(i, name): &(usize, &String)| !names[..*i].contains(name);
     let names = names.iter().enumerate();
     names.filter(first).map(|(_, name)| name.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_instruction_set_that_the_processor_lacks() {
+        let error = check_available(Isa::Avx512, &[Isa::Avx2, Isa::Portable]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "--isa avx512: this processor does not have it; it has avx2, portable"
+        );
+    }
 }

@@ -44,7 +44,7 @@ impl Row {
 /// The column heads, to be printed once.
 pub fn heads() -> String {
     format!(
-        "{:<13}{:<18}{:<11}{:>8}  {:<20}{:>14}  {:>12}\n{:<50}  {:<20}{:>7}{:>7}  {:>12}\n{}\n",
+        "{:<17}{:<18}{:<11}{:>7}  {:<20}{:>13} {:>11}\n{:<53}  {:<20}{:>7}{:>6} {:>11}\n{}\n",
         "scene",
         "rays",
         "method",
@@ -56,10 +56,17 @@ pub fn heads() -> String {
         "ratio [95 %]",
         "total",
         "trace",
-        "unexpl./all",
+        "bad/differ",
         "-".repeat(100),
     )
 }
+
+/// What the columns mean, to be printed under the table.
+pub const LEGEND: &str = "
+vs afra2012, vs Embree: how many times as fast as that. total: with Embree's build; trace: without.
+diff: rays whose hit is not shown to be right / rays on which Embree differs, most often by float32
+rounding where triangles meet. 0/5 is good, 1/5 a finding. More: dacrt run --help
+";
 
 /// The lines of one batch, slowest method first so that a loss is not overlooked.
 pub fn section(scene: &str, rays: &str, rows: &[Row]) -> String {
@@ -69,9 +76,9 @@ pub fn section(scene: &str, rays: &str, rows: &[Row]) -> String {
         let speed = |r: &Row| r.mrays_per_s.unwrap_or(0.0);
         speed(a).total_cmp(&speed(b))
     });
+    let scene = shortened(scene);
     let mut text = String::new();
     for row in order {
-        let number = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.2}"));
         let acceleration = row.acceleration.map_or("-".into(), |r| {
             let [low, high] = r.interval;
             if low == high {
@@ -86,7 +93,7 @@ pub fn section(scene: &str, rays: &str, rows: &[Row]) -> String {
             thousands(row.differing)
         );
         text += &format!(
-            "{scene:<13}{rays:<18}{:<11}{:>8}  {acceleration:<20}{:>7}{:>7}  {diff:>12}",
+            "{scene:<17}{rays:<18}{:<11}{:>7}  {acceleration:<20}{:>7}{:>6} {diff:>11}",
             row.method,
             if row.wrong {
                 "WRONG".into()
@@ -127,10 +134,10 @@ impl Means {
         for (rays, rows) in &self.0 {
             let mean = |value: fn(&Row) -> Option<f64>| {
                 let values: Vec<f64> = rows.iter().filter_map(value).collect();
-                geometric_mean(&values).map_or("-".into(), |m| format!("{m:.2}"))
+                number(geometric_mean(&values))
             };
             text += &format!(
-                "{:<13}{rays:<18}{:<11}{:>8}  {:<20}{:>7}{:>7}\n",
+                "{:<17}{rays:<18}{:<11}{:>7}  {:<20}{:>7}{:>6}\n",
                 format!("{} cells", rows.len()),
                 rows[0].method,
                 mean(|r| r.mrays_per_s),
@@ -148,7 +155,25 @@ impl Means {
 fn label_line(label: &str) -> String {
     match label {
         "" => String::new(),
-        _ => format!("{:31}  {label}\n", ""),
+        _ => format!("{:35}  {label}\n", ""),
+    }
+}
+
+/// At most five digits, three that count where there are any.
+fn number(x: Option<f64>) -> String {
+    match x {
+        None => "-".to_owned(),
+        Some(x) if x < 0.1 => format!("{x:.3}"),
+        Some(x) if x < 100.0 => format!("{x:.2}"),
+        Some(x) => format!("{x:.0}"),
+    }
+}
+
+/// A scene's name, cut to its column: that of a user's own file may be of any length.
+fn shortened(scene: &str) -> String {
+    match scene.char_indices().nth(16) {
+        None => scene.to_owned(),
+        Some(_) => scene.chars().take(15).chain(['…']).collect(),
     }
 }
 
@@ -175,8 +200,13 @@ mod tests {
             ratio: 10.25,
             interval: [10.12, 10.55],
         };
-        let rows = [row("nabata2013", 1234.56, wide)];
-        let text = heads() + &section("sponza-crytek", "ambient-occlusion", &rows);
+        let rows = [row("nabata2013", 12_345.6, wide)];
+        let text = heads()
+            + &section("sanmiguel-tables", "ambient-occlusion", &rows)
+            + &section("a name of a user's own", "primary", &rows)
+            + LEGEND;
+        assert!(text.contains("\nsanmiguel-tables ambient-occlusion nabata2013 "));
+        assert!(text.contains("\na name of a use… primary "));
         for line in text.lines() {
             assert!(line.chars().count() <= 100, "{line}");
         }

@@ -1,5 +1,6 @@
 //! Text for people: aligned columns, and output to a pipe that may close early.
 
+use anyhow::Context;
 use std::io::{self, Write};
 
 /// Writes to standard output. A reader that has gone away (`dacrt scenes | head`) is no error.
@@ -7,8 +8,27 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => Ok(other?),
+        other => other.context("cannot write to standard output"),
     }
+}
+
+/// Writes a line to standard error, if that can be written to. (`eprintln!` panics if not.)
+pub fn complain(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// An error with its causes in one line. A cause that the text before it ends with is left out:
+/// some errors quote their cause and name it, too.
+pub fn one_line(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for message in error.chain().map(ToString::to_string) {
+        if text.is_empty() {
+            text = message;
+        } else if !text.ends_with(&message) {
+            text += &format!(": {message}");
+        }
+    }
+    text
 }
 
 /// Pads every column to its longest entry, two spaces between; nothing stands after the last word
@@ -39,6 +59,12 @@ pub fn columns(rows: &[Vec<String>], right: &[usize]) -> String {
     text
 }
 
+/// A count and what is counted: `1 ray`, `2,000 rays`. The plural has an s.
+pub fn counted(n: u64, what: &str) -> String {
+    let plural = if n == 1 { "" } else { "s" };
+    format!("{} {what}{plural}", thousands(n))
+}
+
 /// A count with commas between the thousands.
 pub fn thousands(n: u64) -> String {
     let digits = n.to_string();
@@ -67,5 +93,19 @@ mod tests {
     fn thousands_have_commas() {
         let text = [0, 999, 1_000, 1_234_567].map(thousands);
         assert_eq!(text, ["0", "999", "1,000", "1,234,567"]);
+    }
+
+    #[test]
+    fn one_is_no_plural() {
+        let text = [0, 1, 2_000].map(|n| counted(n, "ray"));
+        assert_eq!(text, ["0 rays", "1 ray", "2,000 rays"]);
+    }
+
+    #[test]
+    fn causes_stand_once_in_an_error() {
+        let read = anyhow::anyhow!("no such file").context("m.obj: cannot be read: no such file");
+        assert_eq!(one_line(&read), "m.obj: cannot be read: no such file");
+        let out = anyhow::anyhow!("it is a folder").context("--out");
+        assert_eq!(one_line(&out), "--out: it is a folder");
     }
 }

@@ -3,11 +3,12 @@
 use super::Verdict;
 use super::args::TraceArgs;
 use super::plan::{self, check_writable};
-use super::text::{columns, print, thousands};
-use anyhow::Context;
+use super::source::{SceneSource, mesh_folders};
+use super::text::{columns, counted, print, thousands};
+use anyhow::{Context, bail};
 use dacrt::rays::Hits;
-use dacrt::scene::load_mesh;
-use dacrt::{Tracer, Workspace};
+use dacrt::scene::{Scene, load_mesh};
+use dacrt::{Mesh, Tracer, Workspace};
 use dacrt_validate::measure::milliseconds;
 use dacrt_validate::npy::{read_rays, write_hits, write_occluded};
 
@@ -17,7 +18,7 @@ pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
     let parameters = args.knobs.single(method)?;
     let engine = plan::engine(&args.engine)?;
     check_writable(&args.out).context("--out")?;
-    let mesh = load_mesh(&args.mesh)?;
+    let mesh = load(args)?;
     let batch = read_rays(&args.rays)?;
 
     let tracer = Tracer::new(parameters)
@@ -38,24 +39,23 @@ pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
         (traced, ms, hits.hit_count())
     };
 
-    let count = |n: usize| thousands(n as u64);
     let mut text = format!(
-        "{} rays, {} {}, {ms:.3} ms, {:.2} Mrays/s",
-        count(batch.len()),
-        count(hits),
-        if args.any_hit { "occluded" } else { "hits" },
+        "{}, {}, {ms:.3} ms, {:.2} Mrays/s\n",
+        counted(batch.len() as u64, "ray"),
+        match args.any_hit {
+            true => format!("{} occluded", thousands(hits as u64)),
+            false => counted(hits as u64, "hit"),
+        },
         batch.len() as f64 / ms / 1e3,
     );
     if traced.invalid_rays > 0 {
-        text += &format!(", {} invalid rays miss", thousands(traced.invalid_rays));
+        let rays = counted(traced.invalid_rays, "invalid ray");
+        text += &format!("{rays}, taken for a miss\n");
     }
     if mesh.dropped() > 0 {
-        text += &format!(
-            ", {} invalid triangles are never hit",
-            count(mesh.dropped())
-        );
+        let triangles = counted(mesh.dropped() as u64, "invalid triangle");
+        text += &format!("{triangles}, never hit\n");
     }
-    text.push('\n');
     if args.counters {
         let counters = serde_json::to_value(traced.counters)?;
         let rows: Vec<Vec<String>> = counters
@@ -68,4 +68,17 @@ pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
     }
     print(&text)?;
     Ok(Verdict::Good)
+}
+
+/// The mesh of --mesh or --scene, one of which is there.
+fn load(args: &TraceArgs) -> anyhow::Result<Mesh> {
+    if let Some(file) = &args.target.mesh {
+        return Ok(load_mesh(file)?);
+    }
+    let source = SceneSource::find(args.target.scene.as_deref().unwrap_or_default())?;
+    let folders = mesh_folders(&args.meshes);
+    if let Some(missing) = source.missing_mesh(&folders) {
+        bail!(missing);
+    }
+    Ok(Scene::load(&source.json, &folders)?.mesh)
 }

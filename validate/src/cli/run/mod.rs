@@ -10,7 +10,6 @@ mod report;
 use super::Verdict;
 use super::args::RunArgs;
 use super::engine::Engine;
-use super::env;
 use super::plan::RunPlan;
 use super::source::{SceneSource, View};
 use answers::Answers;
@@ -93,7 +92,7 @@ fn new_document(plan: &RunPlan, device: &Device) -> Document {
     Document {
         schema: SCHEMA,
         machine: Machine::here(&plan.engine.isa.to_string()),
-        software: Software::this(Some(env::embree(device))),
+        software: Software::this(Some(device.info().into())),
         seed: plan.engine.seed,
         threads: 1,
         // Without the folders before the program's name.
@@ -178,7 +177,7 @@ impl Bench<'_> {
             let diff = checker.check(answers.view(), &hit_hash);
             if diff.is_finding(mesh) {
                 self.progress.warn(&format!(
-                    "{} {ray_type} {}: {} wrong of {} rays; the offending rays are in {}",
+                    "{} {ray_type} {}: {} wrong of {} rays; the offending rays are in {} (`dacrt trace --help` says how to trace them again)",
                     key.scene,
                     contestant.method,
                     diff.unexplained,

@@ -1,5 +1,6 @@
 //! A progress bar at a terminal, nothing elsewhere, and warnings on standard error.
 
+use crate::cli::text;
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
 /// How far a run is. Drawn only between measurements: nothing ticks while a clock runs.
@@ -26,12 +27,13 @@ impl Progress {
 
     /// A warning, above the bar.
     pub fn warn(&self, message: &str) {
-        self.0.suspend(|| eprintln!("warning: {message}"));
+        self.0
+            .suspend(|| text::complain(&format!("warning: {message}")));
     }
 
     /// Writes to standard output, above the bar.
     pub fn print(&self, text: &str) -> anyhow::Result<()> {
-        self.0.suspend(|| crate::cli::text::print(text))
+        self.0.suspend(|| text::print(text))
     }
 
     /// Takes the bar away.

@@ -67,6 +67,7 @@ impl<'a> Report<'a> {
     /// Prints the means and where the result is.
     pub fn end(self) -> anyhow::Result<Verdict> {
         let mut text = self.means.text();
+        text += table::LEGEND;
         text += &format!("\nresults: {}\n", self.plan.out.display());
         if self.verdict == Verdict::Finding {
             text += "FINDING: there are wrong hits, see the warnings\n";
