@@ -179,7 +179,11 @@ pub struct RunArgs {
 }
 
 #[derive(Args)]
-#[command(after_help = "\
+#[command(
+    override_usage = "\
+dacrt trace --mesh <FILE> --rays <FILE> --method <NAME> --out <FILE> [OPTIONS]
+       dacrt trace --scene <NAME> --rays <FILE> --method <NAME> --out <FILE> [OPTIONS]",
+    after_help = "\
 The rays are a little-endian float32 array [N, 8] in C order: ox oy oz tmin dx dy dz tmax; a hit
 lies at tmin < t <= tmax. The hits are written as `t` (float32) and `prim` (uint32, the number of
 the triangle in file order); a miss is t = +inf, prim = 4294967295. With --any-hit there is one
@@ -196,7 +200,8 @@ its rays have origins of their own, a ray from elsewhere sees to it that these a
       r = [o['ray'] for o in c['diff']['offending']]; \\
       r += [[9, 9, 9, 0, 1, 1, 1, 1]] * (not c['shared_origin']); \\
       n.save('rays.npy', n.array(r, '<f4').reshape(-1, 8))\"
-  dacrt trace --scene hall --rays rays.npy --method nabata2013 --out hits.npz")]
+  dacrt trace --scene hall --rays rays.npy --method nabata2013 --out hits.npz"
+)]
 pub struct TraceArgs {
     #[command(flatten)]
     pub target: TargetArgs,
