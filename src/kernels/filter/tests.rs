@@ -90,13 +90,13 @@ impl Bench {
                 Kind::Outside => (d.y, d.z, origin.z) = (0.0, 0.0, BOX.max.z.next_up()),
             }
             let finite = |x: f32| if x.is_finite() { x } else { f32::NAN };
-            for axis in 0..3 {
-                // SAFETY: the streams have room for so many records.
-                unsafe {
+            // SAFETY: the streams have room for so many records.
+            unsafe {
+                for (axis, o) in origin.to_array().into_iter().enumerate() {
                     *active.inverse[axis].add(place) = finite(1.0 / d[axis]);
-                    *active.origin[axis].add(place) = origin[axis];
-                    *active.id.add(place) = id(place) as u32;
+                    *active.origin[axis].add(place) = o;
                 }
+                *active.id.add(place) = id(place) as u32;
             }
         }
         let rays = Rays {
@@ -199,10 +199,13 @@ impl Bench {
     }
 }
 
+/// What stands at a place.
+type Pattern = Box<dyn Fn(usize) -> Kind>;
+
 /// Patterns of kinds that matter: all, none, ends, every other, runs, and mixtures.
-fn patterns(special: bool) -> Vec<(&'static str, Box<dyn Fn(usize) -> Kind>)> {
+fn patterns(special: bool) -> Vec<(&'static str, Pattern)> {
     use Kind::*;
-    let when = |keep: fn(usize) -> bool| -> Box<dyn Fn(usize) -> Kind> {
+    let when = |keep: fn(usize) -> bool| -> Pattern {
         Box::new(move |place| {
             if keep(place) {
                 Kept
@@ -213,7 +216,7 @@ fn patterns(special: bool) -> Vec<(&'static str, Box<dyn Fn(usize) -> Kind>)> {
             }
         })
     };
-    let random = |special: bool, seed: u64| -> Box<dyn Fn(usize) -> Kind> {
+    let random = |special: bool, seed: u64| -> Pattern {
         let kinds: &[Kind] = if special {
             &[Kept, Misses, Ended, EndsAtEntry, Between, OnPlane, Outside]
         } else {
@@ -243,13 +246,12 @@ fn patterns(special: bool) -> Vec<(&'static str, Box<dyn Fn(usize) -> Kind>)> {
 
 fn check_all(shared: bool, special: bool) {
     // Neighbours in the batch are loaded, others are gathered.
-    let ids: [(&str, fn(usize) -> usize); 3] = [
-        ("in order", |place| place),
-        ("reversed", |place| RECORDS - 1 - place),
-        ("scattered", |place| place * 37 % RECORDS),
-    ];
+    let in_order = |place| place;
+    let reversed = |place| RECORDS - 1 - place;
+    let scattered = |place| place * 37 % RECORDS;
+    let ids: [fn(usize) -> usize; 3] = [in_order, reversed, scattered];
     for isa in Isa::available() {
-        for (ids_name, id) in ids {
+        for (order, id) in ids.into_iter().enumerate() {
             for (pattern, kind) in patterns(special) {
                 for len in 0..=67 {
                     for keep in [Keep::Copy(PLACE), Keep::InPlace] {
@@ -259,7 +261,7 @@ fn check_all(shared: bool, special: bool) {
                         } else {
                             "copy"
                         };
-                        let at = format!("{isa}, {how}, ids {ids_name}, {pattern}, {len} rays");
+                        let at = format!("{isa}, {how}, ids {order}, {pattern}, {len} rays");
                         bench.check(isa, len, keep, &at);
                     }
                 }
