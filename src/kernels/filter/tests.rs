@@ -135,8 +135,8 @@ impl Bench {
             .shared_origin
             .map_or(record.origin, |o| o.to_array());
         let (mut near, mut far) = (0f32, f32::INFINITY);
-        for axis in 0..3 {
-            let (lo, hi, o) = (BOX.min[axis], BOX.max[axis], origin[axis]);
+        for (axis, o) in origin.into_iter().enumerate() {
+            let (lo, hi) = (BOX.min[axis], BOX.max[axis]);
             let inverse = record.inverse[axis];
             if inverse.is_nan() {
                 if !(lo <= o && o <= hi) {
