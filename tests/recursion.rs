@@ -200,6 +200,35 @@ fn lists_stay_within_their_memory() {
     check_lists(soup(3000, 7), random_rays(n, 8, true), n);
 }
 
+#[test]
+fn short_lists_that_keep_all_rays_stay_within_their_memory() {
+    // Lists this short are copied at every level, and there are more levels than memory for them.
+    let n = 1000;
+    let batch: Batch = (0..n)
+        .map(|i| {
+            Ray::new(
+                Vec3::new(-1.0, 0.0, 0.0),
+                Vec3::new(1.0, i as f32 * 1e-6, 1e-6),
+            )
+        })
+        .collect();
+    // Above and below the rays, at each power of two: a split in the middle takes off one pair.
+    let pair = |i: i32| {
+        let x = 2f32.powi(60 - i);
+        let corner = |y, z| x * Vec3::new(1.0, y, z);
+        [
+            Triangle::new(corner(0.25, -0.5), corner(0.25, 0.5), corner(0.5, 0.0)),
+            Triangle::new(corner(-0.25, -0.5), corner(-0.25, 0.5), corner(-0.5, 0.0)),
+        ]
+    };
+    let mesh = Mesh::new((0..100).flat_map(pair).collect());
+    let most = check_lists(mesh, batch, n);
+    assert!(
+        most > capacity(n) - 2048,
+        "{most}: the limit was not reached"
+    );
+}
+
 /// Checks the peak of all parameters; returns the largest.
 fn check_lists(mesh: Mesh, batch: Batch, n: usize) -> u64 {
     let mut case = Case::new(mesh, batch);

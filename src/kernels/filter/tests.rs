@@ -84,7 +84,9 @@ impl Bench {
                 Kind::Kept => {}
                 Kind::Misses => d.y = 3.0 + slope,
                 Kind::Ended => t[id(place)] = 1.0,
-                Kind::EndsAtEntry => t[id(place)] = -1.0 - origin.x,
+                Kind::EndsAtEntry => {
+                    t[id(place)] = (BOX.min.x - origin.x) * (1.0 - PADDING);
+                }
                 Kind::Between => (d.y, d.z) = (0.0, -0.0),
                 Kind::OnPlane => (d.y, d.z, origin.y) = (-0.0, 1e-39, BOX.max.y),
                 Kind::Outside => (d.y, d.z, origin.z) = (0.0, 0.0, BOX.max.z.next_up()),
