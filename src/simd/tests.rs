@@ -51,6 +51,7 @@ macro_rules! on_all {
 on_all!(
     arithmetic_is_rounded_once,
     min_and_max_give_the_second_operand_for_nan,
+    the_least_of_eight_in_memory,
     signs,
     comparisons_are_false_for_nan,
     comparisons_of_integers_are_unsigned,
@@ -161,6 +162,19 @@ mod of {
                 }
             });
         }
+    }
+
+    pub unsafe fn the_least_of_eight_in_memory<L: Lanes>() {
+        #[repr(align(32))]
+        struct Aligned([f32; 8]);
+        for_pairs(|a, b| {
+            let (mut least, other) = (Aligned(from_fn(a)), Aligned(from_fn(b)));
+            unsafe { L::min8(&mut least.0, &other.0) }
+            for (i, least) in least.0.into_iter().enumerate() {
+                let expected = if b(i) < a(i) { b(i) } else { a(i) };
+                assert_eq!(least.to_bits(), expected.to_bits(), "{} {}", a(i), b(i));
+            }
+        });
     }
 
     pub unsafe fn signs<L: Lanes>() {
