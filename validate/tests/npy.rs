@@ -299,6 +299,9 @@ fn hits_are_written_as_numpy_writes_them() {
 }
 
 proptest! {
+    // PROPTEST_CASES is the number of files.
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn random_bytes_do_no_harm(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         let _ = read(&bytes);
