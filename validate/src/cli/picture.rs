@@ -3,7 +3,8 @@
 use super::color::srgb;
 use anyhow::Context;
 use dacrt_validate::atomic;
-use image::{ImageFormat, Rgb, RgbImage};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{Rgb, RgbImage};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -32,8 +33,14 @@ impl Picture {
     pub fn save(&self, path: &Path) -> anyhow::Result<()> {
         atomic::write(path, |file| {
             let mut file = BufWriter::new(file);
+            // The default is fast and makes files that are hardly smaller than the pixels.
+            let encoder = PngEncoder::new_with_quality(
+                &mut file,
+                CompressionType::Best,
+                FilterType::Adaptive,
+            );
             self.0
-                .write_to(&mut file, ImageFormat::Png)
+                .write_with_encoder(encoder)
                 .map_err(io::Error::other)?;
             file.flush()
         })
