@@ -4,8 +4,11 @@ use super::Progress;
 use dacrt::Mesh;
 use dacrt_validate::embree::{Device, Quality, Scene};
 
-/// Builds that take longer than this together are not repeated.
+/// A quality whose builds have taken this long together is not built again.
 const BUILD_BUDGET_MS: f64 = 5_000.0;
+/// Untimed builds before the clock counts: the first two of low quality take up to four times as
+/// long as later ones, which would flatter us.
+const WARM_UP_BUILDS: u32 = 2;
 
 /// One mesh in Embree: the contestants in default mode, and a robust scene to be judged by.
 pub struct Reference {
@@ -22,8 +25,8 @@ pub struct Built {
 }
 
 impl Reference {
-    /// Builds each quality `repeats` times in turn; only once more than that of the robust scene,
-    /// which is not timed, and fewer times where one round takes seconds.
+    /// Builds each quality `repeats` times in turn, fewer times where that takes long; the robust
+    /// scene once, which is not timed.
     pub fn build(
         device: &Device,
         mesh: &Mesh,
@@ -34,8 +37,10 @@ impl Reference {
             progress.step(&format!("Embree builds ({})", quality.name()));
             Scene::build(device, mesh, quality, robust)
         };
-        // First, so that Embree is warm when the clock counts.
         let robust = build(Quality::Medium, true)?;
+        for _ in 0..WARM_UP_BUILDS {
+            build(Quality::Low, false)?;
+        }
         let mut contestants = Vec::new();
         for quality in Quality::ALL {
             let scene = build(quality, false)?;
@@ -45,12 +50,12 @@ impl Reference {
                 scene,
             });
         }
-        let round: f64 = contestants.iter().map(|b| b.samples_ms[0]).sum();
-        let affordable = (BUILD_BUDGET_MS / round) as u32;
-        for _ in 1..repeats.min(affordable) {
+        for _ in 1..repeats {
             for built in &mut contestants {
-                let scene = build(built.quality, false)?;
-                built.samples_ms.push(milliseconds(&scene));
+                if built.samples_ms.iter().sum::<f64>() < BUILD_BUDGET_MS {
+                    let scene = build(built.quality, false)?;
+                    built.samples_ms.push(milliseconds(&scene));
+                }
             }
         }
         Ok(Reference {
