@@ -41,3 +41,18 @@ fn all_methods_and_instruction_sets_agree_with_the_naive_step() {
         }
     }
 }
+
+#[test]
+fn a_part_of_a_batch_gives_the_hits_of_the_whole() {
+    let mut case = Case::new(soup(2000, 1), random_rays(3000, 2, false));
+    let tracer = Tracer::new(Method::Nabata2013.parameters());
+    let (whole, _) = case.nearest(tracer);
+    for i in (0..case.batch.len()).step_by(7) {
+        let ray: Batch = [case.batch.ray(i)].into_iter().collect();
+        let mut part = Case::new(case.mesh.clone(), ray);
+        let (hits, trace) = part.nearest(tracer.with_own_origins(true));
+        assert!(!trace.shared_origin);
+        let (t, prim) = (hits.t[0].to_bits(), hits.prim[0]);
+        assert_eq!((t, prim), (whole.t[i].to_bits(), whole.prim[i]), "ray {i}");
+    }
+}

@@ -17,6 +17,7 @@ pub struct Tracer {
     isa: Isa,
     seed: u64,
     audit: bool,
+    own_origins: bool,
 }
 
 /// What a trace was like.
@@ -44,6 +45,7 @@ impl Tracer {
             isa: Isa::best(),
             seed: 0,
             audit: false,
+            own_origins: false,
         }
     }
 
@@ -65,6 +67,15 @@ impl Tracer {
     /// not for timing.
     pub fn with_audit(self, audit: bool) -> Tracer {
         Tracer { audit, ..self }
+    }
+
+    /// Whether to take the rays for ones with origins of their own even if they share one: for a part
+    /// of a batch whose origins differ, traced apart.
+    pub fn with_own_origins(self, own_origins: bool) -> Tracer {
+        Tracer {
+            own_origins,
+            ..self
+        }
     }
 
     /// Finds the nearest hit of every ray: the least (t, prim), misses as [`Hits`] has them.
@@ -159,7 +170,10 @@ impl Tracer {
             t,
             prim: prim.unwrap_or(std::ptr::null_mut()),
             // SAFETY: `Kernels::of` has checked the processor; so for all that follow.
-            shared_origin: unsafe { (kernels.shared_origin)(batch) },
+            shared_origin: match self.own_origins {
+                true => None,
+                false => unsafe { (kernels.shared_origin)(batch) },
+            },
             special: false,
             least_tmin: 0.0,
             any_hit: prim.is_none(),

@@ -6,6 +6,8 @@ pub fn no_such(kind: &str, name: &str, known: &[impl AsRef<str>]) -> String {
         .iter()
         .map(AsRef::as_ref)
         .map(|k| (strsim::jaro_winkler(&name.to_lowercase(), k), k))
+        // The first of equals: the reversed order, of which the last is taken.
+        .rev()
         .max_by(|a, b| a.0.total_cmp(&b.0));
     match nearest {
         None => format!("there is no {kind} {name:?}, and no other"),
@@ -20,4 +22,10 @@ pub fn no_such(kind: &str, name: &str, known: &[impl AsRef<str>]) -> String {
             )
         }
     }
+}
+
+#[test]
+fn the_first_of_equally_near_names_is_meant() {
+    let names = ["diffuse-1", "diffuse-2", "diffuse-8"];
+    assert!(no_such("ray type", "diffuse-0", &names).contains("\"diffuse-1\""));
 }

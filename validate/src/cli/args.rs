@@ -194,11 +194,10 @@ Examples:
       n.random.rand(1000, 2) - .5; r[:, 6] = -1; r[:, 7] = n.inf; n.save('rays.npy', r)\"
   dacrt trace --mesh bunny.ply --rays rays.npy --method nabata2013 --out hits.npz
 
-The offending rays that `dacrt run` kept of a cell, here the first of the file, once more (where
-its rays have origins of their own, a ray from elsewhere sees to it that these are traced so):
+The offending rays that `dacrt run` kept of a cell, here the first of the file, once more (with
+--own-origins where the cell says \"shared_origin\": false):
   python3 -c \"import json, numpy as n; c = json.load(open('dacrt-run.json'))['cells'][0]; \\
       r = [o['ray'] for o in c['diff']['offending']]; \\
-      r += [[9, 9, 9, 0, 1, 1, 1, 1]] * (not c['shared_origin']); \\
       n.save('rays.npy', n.array(r, '<f4').reshape(-1, 8))\"
   dacrt trace --scene hall --rays rays.npy --method nabata2013 --out hits.npz"
 )]
@@ -220,6 +219,10 @@ pub struct TraceArgs {
     /// Print what the traversal counted
     #[arg(long)]
     pub counters: bool,
+    /// Trace rays of one origin by the kernel for different origins, as where they are a part of a
+    /// batch whose cell says `"shared_origin": false`
+    #[arg(long)]
+    pub own_origins: bool,
     #[command(flatten)]
     pub meshes: MeshArgs,
     #[command(flatten)]

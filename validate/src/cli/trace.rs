@@ -23,7 +23,8 @@ pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
 
     let tracer = Tracer::new(parameters)
         .with_isa(engine.isa)
-        .with_seed(engine.seed);
+        .with_seed(engine.seed)
+        .with_own_origins(args.own_origins);
     let mut workspace = Workspace::new(batch.len(), mesh.len());
     let (traced, ms, hits) = if args.any_hit {
         let mut occluded = vec![0; batch.len()];

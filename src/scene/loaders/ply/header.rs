@@ -149,9 +149,9 @@ impl Header {
             .iter()
             .map(|(name, property)| match &property.data_type {
                 PropertyType::Scalar(scalar) => size(scalar),
-                // A face has three corners at least.
+                // Faces of fewer than three corners are errors, which name the face.
                 PropertyType::List(length, item) if is_corner_list(element, name) => {
-                    size(length) + 3 * size(item)
+                    size(length) + size(item)
                 }
                 PropertyType::List(length, _) => size(length),
             })
