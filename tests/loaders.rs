@@ -338,6 +338,25 @@ mod ply {
     }
 
     #[test]
+    fn a_binary_face_of_one_or_two_corners_is_named() {
+        for corners in [1u8, 2] {
+            let mut bytes = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\n\
+                property float x\nproperty float y\nproperty float z\nelement face 1\n\
+                property list uchar int vertex_indices\nend_header\n"
+                .to_vec();
+            bytes.extend([0f32; 9].iter().flat_map(|x| x.to_le_bytes()));
+            bytes.push(corners);
+            (0..corners as i32).for_each(|i| bytes.extend(i.to_le_bytes()));
+            let message = error(bytes);
+            assert!(
+                message.contains("face 0") || message.contains("face 1"),
+                "{message}"
+            );
+            assert!(message.contains("three corners"), "{message}");
+        }
+    }
+
+    #[test]
     fn binary_of_both_orders_and_any_index_type() {
         for big in [false, true] {
             for index in ["char", "uint8", "short", "uint16", "int", "uint32"] {
