@@ -625,13 +625,13 @@ mod ply {
                 "face 2",
                 "face 4000000000",
                 8,
-                "4000000000 of element \"face\", for which the file needs at least 32000000024 bytes",
+                "4000000000 of element \"face\", for which the file needs at least 16000000024 bytes",
             ),
             (
                 "face 2",
                 "face 18446744073709551615",
                 8,
-                "18446744073709551615 of element \"face\", for which the file needs at least 147573952589676412944 bytes",
+                "18446744073709551615 of element \"face\", for which the file needs at least 73786976294838206484 bytes",
             ),
         ];
         for (good, bad, line, text) in big {

@@ -118,17 +118,11 @@ impl Tracer {
         occluded: &mut [u8],
     ) -> Trace {
         assert_eq!(occluded.len(), batch.len(), "one byte a ray");
-        let mut best = std::mem::take(&mut workspace.t);
-        assert!(
-            best.len() >= batch.len(),
-            "the workspace is too small for {} rays",
-            batch.len()
-        );
-        let trace = self.trace(mesh, batch, workspace, best.as_mut_ptr(), None);
-        for (occluded, &t) in occluded.iter_mut().zip(&best) {
+        let t = workspace.t.as_mut_ptr();
+        let trace = self.trace(mesh, batch, workspace, t, None);
+        for (occluded, &t) in occluded.iter_mut().zip(&workspace.t) {
             *occluded = (t == OCCLUDED) as u8;
         }
-        workspace.t = best;
         trace
     }
 
@@ -169,9 +163,9 @@ impl Tracer {
             directions: workspace.directions.as_mut_ptr(),
             t,
             prim: prim.unwrap_or(std::ptr::null_mut()),
-            // SAFETY: `Kernels::of` has checked the processor; so for all that follow.
             shared_origin: match self.own_origins {
                 true => None,
+                // SAFETY: `Kernels::of` has checked the processor; so for all that follow.
                 false => unsafe { (kernels.shared_origin)(batch) },
             },
             special: false,
