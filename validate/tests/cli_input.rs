@@ -309,7 +309,7 @@ fn meshes_that_make_no_sense() {
     refuses(
         "short-b.ply",
         &ply(binary, 1, &good[..9]),
-        &["line 7", "promises 1"],
+        &["byte 205", "face 0 of 1", "end of the file"],
     );
     refuses(
         "no-face.ply",
