@@ -214,7 +214,7 @@ fn free_way(mesh: &Mesh, origin: Vec3, direction: Vec3) -> f64 {
 
 #[test]
 fn camera_and_light_of_the_hall_stand_free_inside_it() {
-    let json = include_str!("../scenes/hall.json");
+    let json = include_str!("../../scenes/hall.json");
     let (eye, look_at) = (Vec3::new(2.0, 2.6, 0.6), Vec3::new(30.0, 5.2, 0.0));
     let light = Vec3::new(24.3, 11.0, 0.4);
     assert!(json.contains(r#""eye": [2, 2.6, 0.6], "look_at": [30, 5.2, 0]"#));

@@ -422,7 +422,7 @@ fn damaged_gzip() {
 
 #[test]
 fn damaged_description() {
-    let good = include_str!("../scenes/sanmiguel-tables.json");
+    let good = include_str!("../../scenes/sanmiguel-tables.json");
     for_a_while(damage(), |damage| {
         let text = apply(good.as_bytes().to_vec(), &damage);
         if let Err(error) = Description::parse(Path::new("scene"), &text) {
