@@ -57,8 +57,7 @@ unsafe fn kept<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
             }
         }
         if L::bits(kept) != 0 {
-            // Rays next to each other in the batch need no gather; a quarter of the time of coherent
-            // batches.
+            // Rays next to each other in the batch need no gather.
             let first = *s.id.add(at);
             let neighbours = L::eq_u(id, L::count_from(first));
             let t = if left >= L::N && L::bits(neighbours) == L::bits(L::first(L::N)) {

@@ -53,14 +53,4 @@ impl Workspace {
             + size_of::<Candidates>()
             + size_of::<Samples>()
     }
-
-    /// Makes room for a larger batch or mesh if it has to.
-    pub fn reserve(&mut self, rays: usize, triangles: usize) {
-        if rays > self.active.rays() || triangles > self.items.len() {
-            *self = Workspace::new(
-                rays.max(self.active.rays()),
-                triangles.max(self.items.len()),
-            );
-        }
-    }
 }

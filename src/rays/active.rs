@@ -8,7 +8,7 @@
 
 use crate::simd::MAX_LANES;
 
-/// Bytes of one record over all streams.
+/// Streams of floats or integers that a record is spread over.
 const STREAMS: usize = 7;
 /// Records beyond 2n: alignment of list starts, and room to copy lists of any small batch.
 const SLACK: usize = 16_384;
