@@ -3,16 +3,17 @@
 //! storing an acceleration structure.
 //!
 //! ```
-//! use dacrt::{Batch, Hits, Mesh, Method, Ray, Tracer, Triangle, Workspace};
+//! use dacrt::{Batch, Hits, Mesh, Method, Ray, Tracer, Triangle};
 //! use glam::Vec3;
 //!
 //! let mesh = Mesh::new(vec![Triangle::new(Vec3::X, Vec3::Y, Vec3::Z)]);
 //! let batch: Batch = [Ray::new(Vec3::ZERO, Vec3::ONE), Ray::new(Vec3::ZERO, -Vec3::ONE)]
 //!     .into_iter()
 //!     .collect();
-//! let mut workspace = Workspace::new(batch.len(), mesh.len());
+//! let tracer = Tracer::new(Method::Nabata2013.parameters());
+//! let mut workspace = tracer.workspace(batch.len(), mesh.len());
 //! let mut hits = Hits::misses(batch.len());
-//! Tracer::new(Method::Nabata2013.parameters()).nearest(&mesh, &batch, &mut workspace, &mut hits);
+//! tracer.nearest(&mesh, &batch, &mut workspace, &mut hits);
 //! assert_eq!(hits.prim, [0, dacrt::MISS]);
 //! assert_eq!(hits.t[0], 1.0 / 3.0);
 //! ```

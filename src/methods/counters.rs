@@ -42,6 +42,8 @@ pub struct Counters {
     pub skipped_rays_that_miss: u64,
     /// Rays taken out of all lists before the end.
     pub terminated_rays: u64,
+    /// Triangles met in the naive step of a cell that had been met in another cell before.
+    pub duplicates: u64,
     /// The most records that lists of active rays took at a time.
     pub peak_list: u64,
 }

@@ -1,15 +1,18 @@
-//! The methods: presets of one divide-and-conquer algorithm.
+//! The methods: presets of two divide-and-conquer algorithms, one that splits lists of triangles and
+//! one that splits space.
 
 mod counters;
-mod divide;
+mod method;
+mod object;
 mod parameters;
-mod split;
+mod space;
 mod tracer;
 mod workspace;
 
 pub use counters::Counters;
-pub use parameters::{
-    Axes, BadParameter, Cost, Draws, Method, OneRay, Order, Parameters, UnknownMethod,
-};
+pub use method::{Method, UnknownMethod};
+pub use object::{Axes, Cost, Draws, ObjectParameters, OneRay, Order};
+pub use parameters::{BadParameter, Parameters};
+pub use space::{SpaceParameters, Variant};
 pub use tracer::{Trace, Tracer};
 pub use workspace::Workspace;

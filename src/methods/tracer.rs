@@ -1,11 +1,12 @@
 //! The face of the engine: a method, ready to trace batches.
 
-use super::divide::Divide;
-use super::{Counters, Parameters, Workspace};
+use super::workspace::Memory;
+use super::{Counters, Parameters, Variant, Workspace, object, space};
 use crate::geometry::Mesh;
-use crate::kernels::{Kernels, List, Rays};
-use crate::rays::{Batch, Hits, MISS};
+use crate::kernels::Kernels;
+use crate::rays::{Batch, Hits};
 use crate::simd::Isa;
+use glam::Vec3;
 
 /// Finds the hits of whole batches.
 ///
@@ -29,6 +30,8 @@ pub struct Trace {
     pub shared_origin: bool,
     /// Rays that take no part; see [`crate::Ray::is_valid`].
     pub invalid_rays: u64,
+    /// Which variant of Mora's method was taken, if it was that method.
+    pub variant: Option<Variant>,
 }
 
 impl Tracer {
@@ -36,7 +39,8 @@ impl Tracer {
     ///
     /// # Panics
     /// If a parameter is outside its range; see [`Parameters::check`].
-    pub fn new(parameters: Parameters) -> Tracer {
+    pub fn new(parameters: impl Into<Parameters>) -> Tracer {
+        let parameters = parameters.into();
         if let Err(bad) = parameters.check() {
             panic!("{bad}");
         }
@@ -47,6 +51,14 @@ impl Tracer {
             audit: false,
             own_origins: false,
         }
+    }
+
+    /// Memory for traces of up to so many rays and triangles.
+    ///
+    /// # Panics
+    /// If there are more than 10⁹ rays.
+    pub fn workspace(&self, rays: usize, triangles: usize) -> Workspace {
+        Workspace::new(&self.parameters, rays, triangles)
     }
 
     /// With another instruction set. The hits and counters stay the same.
@@ -83,7 +95,7 @@ impl Tracer {
     /// Allocates nothing.
     ///
     /// # Panics
-    /// If the workspace is too small for the batch or the mesh, or `hits` has another length than
+    /// If the workspace is too small for the batch or the mesh, or for another kind of method, or `hits` has another length than
     /// the batch.
     pub fn nearest(
         &self,
@@ -94,13 +106,7 @@ impl Tracer {
     ) -> Trace {
         let lengths = [hits.t.len(), hits.prim.len()];
         assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
-        hits.prim.fill(MISS);
-        let (t, prim) = (hits.t.as_mut_ptr(), hits.prim.as_mut_ptr());
-        let trace = self.trace(mesh, batch, workspace, t, Some(prim));
-        for (t, &prim) in hits.t.iter_mut().zip(&hits.prim) {
-            *t = if prim == MISS { f32::INFINITY } else { *t };
-        }
-        trace
+        self.trace(mesh, batch, workspace, Answer::Nearest(hits))
     }
 
     /// Finds for every ray whether it hits anything: 1 if it does, 0 if not.
@@ -108,7 +114,7 @@ impl Tracer {
     /// Allocates nothing.
     ///
     /// # Panics
-    /// If the workspace is too small for the batch or the mesh, or `occluded` has another length
+    /// If the workspace is too small for the batch or the mesh, or for another kind of method, or `occluded` has another length
     /// than the batch.
     pub fn any(
         &self,
@@ -118,22 +124,15 @@ impl Tracer {
         occluded: &mut [u8],
     ) -> Trace {
         assert_eq!(occluded.len(), batch.len(), "one byte a ray");
-        let t = workspace.t.as_mut_ptr();
-        let trace = self.trace(mesh, batch, workspace, t, None);
-        for (occluded, &t) in occluded.iter_mut().zip(&workspace.t) {
-            *occluded = (t == OCCLUDED) as u8;
-        }
-        trace
+        self.trace(mesh, batch, workspace, Answer::Any(occluded))
     }
 
-    /// `t` is good for a float a ray, `prim` for an integer a ray; without it any hit will do.
     fn trace(
         &self,
         mesh: &Mesh,
         batch: &Batch,
         workspace: &mut Workspace,
-        t: *mut f32,
-        prim: Option<*mut u32>,
+        answer: Answer,
     ) -> Trace {
         let n = batch.len();
         let lengths = batch
@@ -145,69 +144,46 @@ impl Tracer {
             lengths.into_iter().all(|v| v.len() == n),
             "streams of one length"
         );
-        assert!(
-            n <= workspace.active.rays(),
-            "the workspace is too small for {n} rays"
-        );
-        let triangles = mesh.len();
-        assert!(
-            triangles <= workspace.items.len(),
-            "the workspace is too small for {triangles} triangles"
-        );
-
+        let memory = workspace.memory(n, mesh.len());
         let kernels = Kernels::of(self.isa);
-        let (active, scratch) = workspace.active.streams();
-        let mut rays = Rays {
-            active,
-            scratch,
-            directions: workspace.directions.as_mut_ptr(),
-            t,
-            prim: prim.unwrap_or(std::ptr::null_mut()),
+        let job = Job {
+            kernels,
+            mesh,
+            batch,
             shared_origin: match self.own_origins {
                 true => None,
-                // SAFETY: `Kernels::of` has checked the processor; so for all that follow.
+                // SAFETY: `Kernels::of` has checked the processor.
                 false => unsafe { (kernels.shared_origin)(batch) },
             },
-            special: false,
-            least_tmin: 0.0,
-            any_hit: prim.is_none(),
-        };
-        // SAFETY: the workspace has room for the batch.
-        let prepared = unsafe { (kernels.prepare_rays)(batch, &rays) };
-        rays.special = prepared.special;
-        rays.least_tmin = prepared.least_tmin;
-        // SAFETY: as above.
-        let (items, bounds) =
-            unsafe { (kernels.prepare_triangles)(mesh, &mut workspace.items[..triangles]) };
-
-        let mut divide = Divide {
-            kernels,
-            parameters: &self.parameters,
             seed: self.seed,
             audit: self.audit,
-            rays,
-            triangles: mesh.triangles(),
-            items: &mut workspace.items[..items],
-            item_scratch: &mut workspace.item_scratch[..items],
-            candidates: &mut workspace.candidates,
-            samples: &mut workspace.samples,
-            capacity: crate::rays::active::ActiveRays::capacity(workspace.active.rays()),
-            counters: Counters::default(),
         };
-        divide.start(
-            bounds.bounds(),
-            List {
-                start: 0,
-                len: prepared.valid,
-            },
-        );
-        Trace {
-            counters: divide.counters,
-            shared_origin: rays.shared_origin.is_some(),
-            invalid_rays: (n - prepared.valid) as u64,
+        match (&self.parameters, memory) {
+            (Parameters::Object(p), Memory::Object(memory)) => {
+                object::trace(&job, p, memory, answer)
+            }
+            (Parameters::Space(p), Memory::Space(memory)) => space::trace(&job, p, memory, answer),
+            _ => panic!("the workspace is for another kind of method"),
         }
     }
 }
 
+/// What is to be traced.
+pub(super) struct Job<'a> {
+    pub kernels: &'static Kernels,
+    pub mesh: &'a Mesh,
+    pub batch: &'a Batch,
+    /// The origin of all valid rays, if the batch is traced as one with a shared origin.
+    pub shared_origin: Option<Vec3>,
+    pub seed: u64,
+    pub audit: bool,
+}
+
+/// Where the answers go.
+pub(super) enum Answer<'a> {
+    Nearest(&'a mut Hits),
+    Any(&'a mut [u8]),
+}
+
 /// The best t of an any-hit ray that has hit: below every tmin, so that no test passes any more.
-const OCCLUDED: f32 = -1.0;
+pub(super) const OCCLUDED: f32 = -1.0;

@@ -1,56 +1,82 @@
 //! All memory of a trace, made beforehand.
 
-use super::split::Candidates;
-use crate::kernels::{Item, Samples};
-use crate::rays::active::ActiveRays;
+use super::{Parameters, object, space};
 
-/// Memory for traces of up to a number of rays and triangles; reused from trace to trace.
+/// Memory for traces of up to a number of rays and triangles; reused from trace to trace. A trace
+/// allocates nothing beyond it.
 ///
-/// [`Workspace::bytes`] is 104 a ray + 64 a triangle + a constant of about 0.72 MB (exactly: see
-/// [`Workspace::bytes_for`]). A trace allocates nothing beyond it.
+/// Methods of one family share a workspace. [`Workspace::bytes`] is 104 a ray + 64 a triangle + a
+/// constant of about 0.72 MB where lists of triangles are split, and 57 a ray + 44 a triangle + a
+/// constant where space is split (exactly: see [`Workspace::bytes_for`]).
 pub struct Workspace {
-    pub(super) active: ActiveRays,
-    /// Direction and tmin of each ray.
-    pub(super) directions: Vec<[f32; 4]>,
-    /// Best t so far of any-hit rays.
-    pub(super) t: Vec<f32>,
-    pub(super) items: Vec<Item>,
-    pub(super) item_scratch: Vec<Item>,
-    pub(super) candidates: Box<Candidates>,
-    pub(super) samples: Box<Samples>,
+    memory: Memory,
+    rays: usize,
+    triangles: usize,
+}
+
+pub(super) enum Memory {
+    Object(object::Memory),
+    Space(space::Memory),
 }
 
 impl Workspace {
-    /// Memory for batches of up to `rays` rays and meshes of up to `triangles` triangles.
+    /// Memory for batches of up to `rays` rays and meshes of up to `triangles` triangles, for methods
+    /// of the family of these parameters.
     ///
     /// # Panics
     /// If there are more than 10⁹ rays.
-    pub fn new(rays: usize, triangles: usize) -> Workspace {
+    pub fn new(parameters: &Parameters, rays: usize, triangles: usize) -> Workspace {
         // Gathers take places of records, of which there are twice as many, as signed 32-bit numbers.
         assert!(rays <= 1_000_000_000, "a batch has at most 10^9 rays");
+        let memory = match parameters {
+            Parameters::Object(_) => Memory::Object(object::Memory::new(rays, triangles)),
+            Parameters::Space(_) => Memory::Space(space::Memory::new(rays, triangles)),
+        };
         Workspace {
-            active: ActiveRays::new(rays),
-            directions: vec![[0.0; 4]; rays],
-            t: vec![0.0; rays],
-            items: vec![Item::ZERO; triangles],
-            item_scratch: vec![Item::ZERO; triangles],
-            candidates: Candidates::boxed(),
-            samples: Samples::boxed(),
+            memory,
+            rays,
+            triangles,
         }
+    }
+
+    /// Whether it can be used with these parameters, for so many rays and triangles.
+    pub fn suits(&self, parameters: &Parameters, rays: usize, triangles: usize) -> bool {
+        let same_family = matches!(
+            (parameters, &self.memory),
+            (Parameters::Object(_), Memory::Object(_)) | (Parameters::Space(_), Memory::Space(_))
+        );
+        same_family && rays <= self.rays && triangles <= self.triangles
     }
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        Workspace::bytes_for(self.active.rays(), self.items.len())
+        match self.memory {
+            Memory::Object(_) => object::Memory::bytes(self.rays, self.triangles),
+            Memory::Space(_) => space::Memory::bytes(self.rays, self.triangles),
+        }
     }
 
-    /// Bytes that a workspace for so many rays and triangles takes: 84 a ray, with the rays rounded
-    /// up to a multiple of 16, + 20 a ray + 64 a triangle + `bytes_for(0, 0)`.
-    pub fn bytes_for(rays: usize, triangles: usize) -> usize {
-        ActiveRays::bytes(rays)
-            + rays * size_of::<[f32; 5]>()
-            + 2 * triangles * size_of::<Item>()
-            + size_of::<Candidates>()
-            + size_of::<Samples>()
+    /// Bytes that a workspace for these parameters and so many rays and triangles takes.
+    ///
+    /// Where lists of triangles are split: 84 a ray, with the rays rounded up to a multiple of 16,
+    /// + 20 a ray + 64 a triangle + what it is for none. Where space is split: see the README.
+    pub fn bytes_for(parameters: &Parameters, rays: usize, triangles: usize) -> usize {
+        match parameters {
+            Parameters::Object(_) => object::Memory::bytes(rays, triangles),
+            Parameters::Space(_) => space::Memory::bytes(rays, triangles),
+        }
+    }
+
+    /// The memory, if there is enough of it.
+    pub(super) fn memory(&mut self, rays: usize, triangles: usize) -> &mut Memory {
+        assert!(
+            rays <= self.rays,
+            "the workspace is too small for {rays} rays"
+        );
+        assert!(
+            triangles <= self.triangles,
+            "the workspace is too small for {triangles} triangles"
+        );
+        &mut self.memory
     }
 }

@@ -63,12 +63,12 @@ fn the_allocator_is_counted() {
 
 #[test]
 fn a_trace_allocates_nothing() {
-    let sampling = Parameters {
+    let sampling = ObjectParameters {
         axes: Axes::All,
         sample_middle: true,
         second_sample: true,
         alpha_refresh: true,
-        ..Method::Nabata2013.parameters()
+        ..ObjectParameters::NABATA2013
     };
     for shared in [false, true] {
         let (mesh, batch) = (soup(3000, 1), random_rays(10_000, 2, shared));

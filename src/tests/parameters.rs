@@ -189,14 +189,14 @@ fn a_seed_changes_counters_but_no_hit() {
 #[test]
 fn a_skip_of_one_never_skips_and_a_skip_of_zero_does() {
     let [mut case, ..] = cases();
-    let sampling = Parameters {
+    let sampling = ObjectParameters {
         min_rays: 0,
         sample_middle: true,
-        ..Method::Nabata2013.parameters()
+        ..ObjectParameters::NABATA2013
     };
     for leaf_criterion in [false, true] {
         let skips = |case: &mut Case, skip| {
-            let tracer = Tracer::new(Parameters {
+            let tracer = Tracer::new(ObjectParameters {
                 skip,
                 leaf_criterion,
                 ..sampling

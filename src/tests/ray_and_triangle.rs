@@ -18,7 +18,7 @@ fn wall(z: f32) -> Triangle {
 fn tracers() -> impl Iterator<Item = Tracer> {
     Method::ALL.into_iter().flat_map(|method| {
         Isa::available().flat_map(move |isa| {
-            let fine = Parameters {
+            let fine = ObjectParameters {
                 leaf_triangles: 1,
                 leaf_rays: 0,
                 min_rays: 0,

@@ -11,12 +11,12 @@ fn all_parameters() -> Vec<Parameters> {
     let mut all = Vec::new();
     for method in Method::ALL {
         let preset = method.parameters();
-        let fine = Parameters {
+        let fine = ObjectParameters {
             leaf_triangles: 1,
             leaf_rays: 0,
             ..preset
         };
-        let longest = Parameters {
+        let longest = ObjectParameters {
             axes: Axes::Longest,
             bins: 2,
             ..fine
@@ -236,7 +236,7 @@ fn check_lists(mesh: Mesh, batch: Batch, n: usize) -> u64 {
     let mut reference = None;
     for parameters in all_parameters() {
         for skip in [0.5, 1.0] {
-            let tracer = Tracer::new(Parameters { skip, ..parameters });
+            let tracer = Tracer::new(ObjectParameters { skip, ..parameters });
             let (hits, trace) = case.nearest(tracer);
             let peak = trace.counters.peak_list;
             assert!(peak <= capacity(n), "{peak} {tracer:?}");

@@ -67,7 +67,7 @@ pub fn random_rays(n: usize, seed: u64, shared: bool) -> Batch {
 pub fn brute_force() -> Parameters {
     Parameters {
         leaf_triangles: u32::MAX,
-        ..Method::Afra2012.parameters()
+        ..ObjectParameters::AFRA2012
     }
 }
 

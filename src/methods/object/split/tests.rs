@@ -116,11 +116,11 @@ fn the_sampled_cost_is_that_of_equation_2() {
         (60, 1, 32, Axes::All),
     ] {
         let (mesh, batch) = (mesh(triangles), batch(rays));
-        let parameters = Parameters {
+        let parameters = ObjectParameters {
             // As many strata as rays draw each ray once, so that the ratios are exact.
             samples: rays as u32,
             axes,
-            ..Method::Nabata2013.parameters()
+            ..ObjectParameters::NABATA2013
         };
         at_root(parameters, &mesh, &batch, |divide, root, list| {
             divide.find_candidates(&root, bins);
@@ -147,9 +147,9 @@ fn the_sampled_cost_is_that_of_equation_2() {
 #[test]
 fn the_area_cost_is_that_of_equation_1() {
     for axes in [Axes::Longest, Axes::Centers, Axes::All] {
-        let parameters = Parameters {
+        let parameters = ObjectParameters {
             axes,
-            ..Method::Afra2012.parameters()
+            ..ObjectParameters::AFRA2012
         };
         at_root(parameters, &mesh(400), &batch(10), |divide, root, _| {
             divide.find_candidates(&root, 32);
@@ -173,9 +173,9 @@ fn the_area_cost_is_that_of_equation_1() {
 #[test]
 fn candidates_are_the_boxes_of_what_they_part() {
     for (bins, axes) in [(2, Axes::Longest), (32, Axes::All), (256, Axes::Centers)] {
-        let parameters = Parameters {
+        let parameters = ObjectParameters {
             axes,
-            ..Method::Afra2012.parameters()
+            ..ObjectParameters::AFRA2012
         };
         at_root(parameters, &mesh(200), &batch(1), |divide, root, _| {
             divide.find_candidates(&root, bins);

@@ -1,7 +1,8 @@
 //! Divide-and-conquer ray tracing: Algorithm 1 of Nabata 2013.
 
 use super::split::{Candidates, Child, Node};
-use super::{Counters, Parameters};
+use super::ObjectParameters;
+use crate::methods::Counters;
 use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{BLOCK, Item, Keep, Kernels, List, Rays, Samples};
 use crate::simd::MAX_LANES;
@@ -14,7 +15,7 @@ const PROBE_STRIDE: usize = 64;
 /// One trace under way.
 pub(super) struct Divide<'a> {
     pub kernels: &'a Kernels,
-    pub parameters: &'a Parameters,
+    pub parameters: &'a ObjectParameters,
     pub seed: u64,
     pub audit: bool,
     pub rays: Rays,

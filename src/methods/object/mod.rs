@@ -1,0 +1,12 @@
+//! Object splitting: ray sampling (Nabata 2013) and its baseline (Áfra 2012).
+
+mod divide;
+mod memory;
+mod parameters;
+mod split;
+mod trace;
+
+pub(super) use memory::Memory;
+pub(super) use parameters::SAMPLING;
+pub use parameters::{Axes, Cost, Draws, ObjectParameters, OneRay, Order};
+pub(super) use trace::trace;
