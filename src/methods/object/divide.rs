@@ -1,10 +1,10 @@
 //! Divide-and-conquer ray tracing: Algorithm 1 of Nabata 2013.
 
-use super::split::{Candidates, Child, Node};
 use super::ObjectParameters;
-use crate::methods::Counters;
+use super::split::{Candidates, Child, Node};
 use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{BLOCK, Item, Keep, Kernels, List, Rays, Samples};
+use crate::methods::Counters;
 use crate::simd::MAX_LANES;
 
 /// Lists up to this length are copied without a probe: they are in the nearest cache anyway.

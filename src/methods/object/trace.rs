@@ -3,10 +3,10 @@
 use super::divide::Divide;
 use super::{Memory, ObjectParameters};
 use crate::kernels::{List, Rays};
-use crate::methods::tracer::{Answer, Job, OCCLUDED, Trace};
 use crate::methods::Counters;
-use crate::rays::active::ActiveRays;
+use crate::methods::tracer::{Answer, Job, OCCLUDED, Trace};
 use crate::rays::MISS;
+use crate::rays::active::ActiveRays;
 
 /// Traces a batch by splitting lists of triangles.
 pub(in crate::methods) fn trace(
