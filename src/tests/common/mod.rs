@@ -63,39 +63,81 @@ pub fn random_rays(n: usize, seed: u64, shared: bool) -> Batch {
         .collect()
 }
 
+/// Parameters of the methods that split space.
+pub fn space_presets() -> [SpaceParameters; 3] {
+    [
+        SpaceParameters::MORA2011,
+        SpaceParameters::MORA2011_CONES,
+        SpaceParameters::MORA2011_RANDOM,
+    ]
+}
+
+/// The same, down to single triangles, rays and cones.
+pub fn finest_space() -> [SpaceParameters; 3] {
+    space_presets().map(|preset| SpaceParameters {
+        ray_limit: 1,
+        triangle_limit: 1,
+        cone_limit: 1,
+        ..preset
+    })
+}
+
+/// The same for the methods that split lists of triangles.
+pub fn finest_object() -> [ObjectParameters; 2] {
+    [ObjectParameters::AFRA2012, ObjectParameters::NABATA2013].map(|preset| ObjectParameters {
+        leaf_triangles: 1,
+        leaf_rays: 0,
+        min_rays: 0,
+        ..preset
+    })
+}
+
+/// All presets, and all down to the smallest.
+pub fn presets_and_finest() -> Vec<Parameters> {
+    let presets = Method::ALL.map(Method::parameters).into_iter();
+    presets
+        .chain(finest_object().map(Parameters::from))
+        .chain(finest_space().map(Parameters::from))
+        .collect()
+}
+
 /// One leaf: the naive step over everything.
-pub fn brute_force() -> Parameters {
-    Parameters {
+pub fn brute_force() -> ObjectParameters {
+    ObjectParameters {
         leaf_triangles: u32::MAX,
         ..ObjectParameters::AFRA2012
     }
 }
 
+/// Traces with new memory each time.
 pub struct Case {
     pub mesh: Mesh,
     pub batch: Batch,
-    pub workspace: Workspace,
 }
 
 impl Case {
     pub fn new(mesh: Mesh, batch: Batch) -> Case {
-        let workspace = Workspace::new(batch.len(), mesh.len());
-        Case {
-            mesh,
-            batch,
-            workspace,
-        }
+        Case { mesh, batch }
     }
 
-    pub fn nearest(&mut self, tracer: Tracer) -> (Hits, Trace) {
+    fn workspace(&self, tracer: Tracer) -> Workspace {
+        tracer.workspace(self.batch.len(), self.mesh.len())
+    }
+
+    pub fn nearest(&self, tracer: Tracer) -> (Hits, Trace) {
+        self.nearest_in(tracer, &mut self.workspace(tracer))
+    }
+
+    pub fn nearest_in(&self, tracer: Tracer, workspace: &mut Workspace) -> (Hits, Trace) {
         let mut hits = Hits::misses(self.batch.len());
-        let trace = tracer.nearest(&self.mesh, &self.batch, &mut self.workspace, &mut hits);
+        let trace = tracer.nearest(&self.mesh, &self.batch, workspace, &mut hits);
         (hits, trace)
     }
 
-    pub fn any(&mut self, tracer: Tracer) -> (Vec<u8>, Trace) {
+    pub fn any(&self, tracer: Tracer) -> (Vec<u8>, Trace) {
         let mut occluded = vec![7; self.batch.len()];
-        let trace = tracer.any(&self.mesh, &self.batch, &mut self.workspace, &mut occluded);
+        let mut workspace = self.workspace(tracer);
+        let trace = tracer.any(&self.mesh, &self.batch, &mut workspace, &mut occluded);
         (occluded, trace)
     }
 }
