@@ -4,6 +4,7 @@ mod common;
 
 use common::{Case, bits, brute_force, random_rays, soup, space_presets};
 use dacrt::*;
+use glam::Vec3;
 use proptest::prelude::*;
 
 fn cases() -> [Case; 3] {
@@ -258,6 +259,57 @@ fn an_audit_changes_one_counter_only() {
     assert!(audited.1.counters.skipped_rays_that_miss > 0);
     audited.1.counters.skipped_rays_that_miss = 0;
     assert_eq!(plain, audited);
+}
+
+/// As section 3.2 prints it, a ray ends at a hit with any triangle of the cell. Here the cell in
+/// front has one large triangle, which the rays hit in the cell behind, where a wall stands before it.
+#[test]
+fn termination_as_printed_is_wrong_where_a_triangle_is_hit_outside_the_cell() {
+    let large = Triangle::new(
+        Vec3::new(2.0, -4.0, -4.0),
+        Vec3::new(2.0, -4.0, 4.0),
+        Vec3::new(16.0, 1.6, 0.0),
+    );
+    // The box is split at x = 9: the wall is behind, as is a heap beside the rays that makes the
+    // root too large for the naive step.
+    let wall = Triangle::new(
+        Vec3::new(10.0, -2.0, -2.0),
+        Vec3::new(10.0, 2.0, -2.0),
+        Vec3::new(10.0, 0.0, 3.0),
+    );
+    let beside = (0..30).map(|i| {
+        let corner = Vec3::new(15.0, -3.0 + 0.1 * i as f32, 3.5);
+        Triangle::new(corner, corner + 0.1 * Vec3::X, corner + 0.1 * Vec3::Y)
+    });
+    let mesh = Mesh::new([large, wall].into_iter().chain(beside).collect());
+    let rays = (0..100).map(|i| {
+        let (y, z) = ((i % 10) as f32 - 4.5, (i / 10) as f32 - 4.5);
+        Ray::new(
+            Vec3::new(-1.0, 0.0, 0.0),
+            Vec3::new(1.0, 0.005 * y, 0.005 * z),
+        )
+    });
+    let case = Case::new(mesh, rays.collect());
+    let (expected, _) = case.nearest(Tracer::new(brute_force()));
+    assert!(expected.prim.iter().all(|&prim| prim == 1));
+    let cones = SpaceParameters {
+        cone_limit: 1,
+        ..SpaceParameters::MORA2011_CONES
+    };
+    for parameters in [SpaceParameters::MORA2011, cones] {
+        check(&case, &expected, Tracer::new(parameters));
+        let as_printed = SpaceParameters {
+            terminate_as_printed: true,
+            ..parameters
+        };
+        for isa in Isa::available() {
+            let (hits, _) = case.nearest(Tracer::new(as_printed).with_isa(isa));
+            assert!(hits.prim.iter().all(|&prim| prim == 0), "{parameters:?}");
+            // What any ray hits is the same.
+            let (occluded, _) = case.any(Tracer::new(as_printed).with_isa(isa));
+            assert!(occluded.iter().all(|&byte| byte == 1));
+        }
+    }
 }
 
 #[test]

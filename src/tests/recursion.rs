@@ -38,33 +38,10 @@ fn all_parameters() -> Vec<Parameters> {
     all
 }
 
-/// Traces on a thread with a small stack; the hits are those of the naive step over everything.
-/// Returns the counters of all traces.
+/// Checks all methods; returns the counters.
 fn check(mesh: Mesh, batch: Batch) -> Vec<Counters> {
-    let case = Case::new(mesh, batch);
-    let trace = move || {
-        let (expected, _) = case.nearest(Tracer::new(brute_force()));
-        let mut counters = Vec::new();
-        for parameters in all_parameters() {
-            for isa in Isa::available() {
-                let tracer = Tracer::new(parameters).with_isa(isa);
-                let (hits, trace) = case.nearest(tracer);
-                assert_eq!(bits(&hits), bits(&expected), "{tracer:?}");
-                let (occluded, _) = case.any(tracer);
-                for (&prim, occluded) in expected.prim.iter().zip(occluded) {
-                    assert_eq!(occluded, (prim != MISS) as u8, "{tracer:?}");
-                }
-                counters.push(trace.counters);
-            }
-        }
-        counters
-    };
-    std::thread::Builder::new()
-        .stack_size(256 << 10)
-        .spawn(trace)
-        .unwrap()
-        .join()
-        .unwrap()
+    let traces = common::check(mesh, batch, all_parameters(), false).into_iter();
+    traces.map(|trace| trace.counters).collect()
 }
 
 /// A triangle at `center`, about `size` large.

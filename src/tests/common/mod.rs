@@ -145,3 +145,66 @@ impl Case {
 pub fn bits(hits: &Hits) -> (Vec<u32>, &[u32]) {
     (hits.t.iter().map(|t| t.to_bits()).collect(), &hits.prim)
 }
+
+/// Panics at the first ray with another hit than expected.
+pub fn assert_same(batch: &Batch, found: &Hits, expected: &Hits, at: &str) {
+    let hit = |hits: &Hits, i: usize| (hits.t[i].to_bits(), hits.prim[i]);
+    let differ: Vec<usize> = (0..batch.len())
+        .filter(|&i| hit(found, i) != hit(expected, i))
+        .collect();
+    if let Some(&i) = differ.first() {
+        panic!(
+            "{} of {} rays differ: ray {i}, {:?}, hits {} at {:e}, expected {} at {:e}\n{at}",
+            differ.len(),
+            batch.len(),
+            batch.ray(i),
+            found.prim[i],
+            found.t[i],
+            expected.prim[i],
+            expected.t[i],
+        );
+    }
+}
+
+/// Traces on a thread with a small stack. The hits, nearest and any, are those of the naive step over
+/// everything, the traces the same on all instruction sets. Returns the trace of the nearest hits
+/// for each of the parameters.
+pub fn check(mesh: Mesh, batch: Batch, all: Vec<Parameters>, own_origins: bool) -> Vec<Trace> {
+    let traces = move || {
+        let (rays, triangles) = (batch.len(), mesh.len());
+        let naive = Tracer::new(brute_force()).with_own_origins(own_origins);
+        let mut expected = Hits::misses(rays);
+        let mut workspace = naive.workspace(rays, triangles);
+        naive.nearest(&mesh, &batch, &mut workspace, &mut expected);
+        let occluded: Vec<u8> = expected.prim.iter().map(|&p| (p != MISS) as u8).collect();
+
+        let (mut hits, mut any) = (Hits::misses(rays), vec![7; rays]);
+        let mut traces = Vec::new();
+        for parameters in all {
+            let mut workspace = Workspace::new(&parameters, rays, triangles);
+            let mut first = None;
+            for isa in Isa::available() {
+                let at = format!("{isa}, {parameters:?}, own origins: {own_origins}");
+                let tracer = Tracer::new(parameters)
+                    .with_isa(isa)
+                    .with_own_origins(own_origins);
+                let nearest = tracer.nearest(&mesh, &batch, &mut workspace, &mut hits);
+                assert_same(&batch, &hits, &expected, &at);
+                let any_hit = tracer.any(&mesh, &batch, &mut workspace, &mut any);
+                let wrong = (0..rays).find(|&i| any[i] != occluded[i]);
+                let wrong = wrong.map(|i| (i, any[i], batch.ray(i)));
+                assert_eq!(wrong, None, "any hit, {at}");
+                let found = (nearest, any_hit);
+                assert_eq!(&found, first.get_or_insert(found), "{at}");
+            }
+            traces.extend(first.map(|(nearest, _)| nearest));
+        }
+        traces
+    };
+    std::thread::Builder::new()
+        .stack_size(256 << 10)
+        .spawn(traces)
+        .unwrap()
+        .join()
+        .unwrap()
+}
