@@ -3,7 +3,7 @@
 mod common;
 
 use common::{
-    Case, bits, brute_force, finest_object, finest_space, random_rays, soup, space_presets,
+    Case, Check, bits, brute_force, finest_object, finest_space, random_rays, soup, space_presets,
 };
 use dacrt::*;
 use glam::Vec3;
@@ -40,7 +40,14 @@ fn all_parameters() -> Vec<Parameters> {
 
 /// Checks all methods; returns the counters.
 fn check(mesh: Mesh, batch: Batch) -> Vec<Counters> {
-    let traces = common::check(mesh, batch, all_parameters(), false).into_iter();
+    let check = Check {
+        mesh,
+        batch,
+        parameters: all_parameters(),
+        own_origins: false,
+        grazing: false,
+    };
+    let traces = check.run().into_iter();
     traces.map(|trace| trace.counters).collect()
 }
 

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{brute_force, finest_space, soup};
+use common::{Check, brute_force, finest_space, soup};
 use dacrt::random::{hash, unit_f64};
 use dacrt::workloads::{Camera, Film, RayType, Workload};
 use dacrt::*;
@@ -25,7 +25,14 @@ fn all_parameters() -> Vec<Parameters> {
 
 /// The traces with [`all_parameters`].
 fn check(mesh: &Mesh, batch: &Batch) -> Vec<Trace> {
-    let traces = common::check(mesh.clone(), batch.clone(), all_parameters(), false);
+    let check = Check {
+        mesh: mesh.clone(),
+        batch: batch.clone(),
+        parameters: all_parameters(),
+        own_origins: false,
+        grazing: false,
+    };
+    let traces = check.run();
     for trace in &traces {
         let expected = match batch.shared_origin() {
             Some(_) => Variant::Cones,

@@ -146,65 +146,85 @@ pub fn bits(hits: &Hits) -> (Vec<u32>, &[u32]) {
     (hits.t.iter().map(|t| t.to_bits()).collect(), &hits.prim)
 }
 
-/// Panics at the first ray with another hit than expected.
-pub fn assert_same(batch: &Batch, found: &Hits, expected: &Hits, at: &str) {
-    let hit = |hits: &Hits, i: usize| (hits.t[i].to_bits(), hits.prim[i]);
-    let differ: Vec<usize> = (0..batch.len())
-        .filter(|&i| hit(found, i) != hit(expected, i))
-        .collect();
-    if let Some(&i) = differ.first() {
-        panic!(
-            "{} of {} rays differ: ray {i}, {:?}, hits {} at {:e}, expected {} at {:e}\n{at}",
-            differ.len(),
-            batch.len(),
-            batch.ray(i),
-            found.prim[i],
-            found.t[i],
-            expected.prim[i],
-            expected.t[i],
-        );
-    }
+/// What is traced with each of some parameters, on all instruction sets.
+#[derive(Clone)]
+pub struct Check {
+    pub mesh: Mesh,
+    pub batch: Batch,
+    pub parameters: Vec<Parameters>,
+    /// Whether the origins are taken for ones of their own.
+    pub own_origins: bool,
+    /// Whether there are rays nearly in the planes of triangles. Their hits may be lost where
+    /// triangles are held against cells by more than their boxes.
+    pub grazing: bool,
 }
 
-/// Traces on a thread with a small stack. The hits, nearest and any, are those of the naive step over
-/// everything, the traces the same on all instruction sets. Returns the trace of the nearest hits
-/// for each of the parameters.
-pub fn check(mesh: Mesh, batch: Batch, all: Vec<Parameters>, own_origins: bool) -> Vec<Trace> {
-    let traces = move || {
-        let (rays, triangles) = (batch.len(), mesh.len());
-        let naive = Tracer::new(brute_force()).with_own_origins(own_origins);
-        let mut expected = Hits::misses(rays);
-        let mut workspace = naive.workspace(rays, triangles);
-        naive.nearest(&mesh, &batch, &mut workspace, &mut expected);
-        let occluded: Vec<u8> = expected.prim.iter().map(|&p| (p != MISS) as u8).collect();
+impl Check {
+    /// Traces on a thread with a small stack. The hits, nearest and any, are those of the naive step
+    /// over everything, the traces the same on all instruction sets. Returns the trace of the nearest
+    /// hits for each of the parameters.
+    pub fn run(self) -> Vec<Trace> {
+        std::thread::Builder::new()
+            .stack_size(256 << 10)
+            .spawn(move || self.traces())
+            .unwrap()
+            .join()
+            .unwrap()
+    }
 
-        let (mut hits, mut any) = (Hits::misses(rays), vec![7; rays]);
+    fn traces(&self) -> Vec<Trace> {
+        let (rays, triangles) = (self.batch.len(), self.mesh.len());
+        let mut hits = Hits::misses(rays);
+        let mut any = vec![7; rays];
+        let naive = Tracer::new(brute_force()).with_own_origins(self.own_origins);
+        let mut workspace = naive.workspace(rays, triangles);
+        naive.nearest(&self.mesh, &self.batch, &mut workspace, &mut hits);
+        let expected = hits.clone();
+
         let mut traces = Vec::new();
-        for parameters in all {
+        for &parameters in &self.parameters {
             let mut workspace = Workspace::new(&parameters, rays, triangles);
             let mut first = None;
             for isa in Isa::available() {
-                let at = format!("{isa}, {parameters:?}, own origins: {own_origins}");
                 let tracer = Tracer::new(parameters)
                     .with_isa(isa)
-                    .with_own_origins(own_origins);
-                let nearest = tracer.nearest(&mesh, &batch, &mut workspace, &mut hits);
-                assert_same(&batch, &hits, &expected, &at);
-                let any_hit = tracer.any(&mesh, &batch, &mut workspace, &mut any);
-                let wrong = (0..rays).find(|&i| any[i] != occluded[i]);
-                let wrong = wrong.map(|i| (i, any[i], batch.ray(i)));
-                assert_eq!(wrong, None, "any hit, {at}");
-                let found = (nearest, any_hit);
-                assert_eq!(&found, first.get_or_insert(found), "{at}");
+                    .with_own_origins(self.own_origins);
+                let found = (
+                    tracer.nearest(&self.mesh, &self.batch, &mut workspace, &mut hits),
+                    tracer.any(&self.mesh, &self.batch, &mut workspace, &mut any),
+                );
+                self.assert_right(&hits, &any, &expected, &tracer);
+                assert_eq!(&found, first.get_or_insert(found), "{tracer:?}");
             }
             traces.extend(first.map(|(nearest, _)| nearest));
         }
         traces
-    };
-    std::thread::Builder::new()
-        .stack_size(256 << 10)
-        .spawn(traces)
-        .unwrap()
-        .join()
-        .unwrap()
+    }
+
+    fn assert_right(&self, hits: &Hits, any: &[u8], expected: &Hits, tracer: &Tracer) {
+        for (i, ray) in self.batch.iter().enumerate() {
+            let hit = |hits: &Hits| (hits.t[i].to_bits(), hits.prim[i]);
+            let (found, right) = (hit(hits), hit(expected));
+            let occluded = (right.1 != MISS) as u8;
+            if found == right && any[i] == occluded {
+                continue;
+            }
+            let lost = self.grazing && found >= right && any[i] <= occluded;
+            if lost && is_grazing(&ray, &self.mesh.triangles()[right.1 as usize]) {
+                continue;
+            }
+            panic!(
+                "ray {i}, {ray:?}, hits {} at {:e}, expected {} at {:e}; any hit: {}\n{tracer:?}",
+                found.1, hits.t[i], right.1, expected.t[i], any[i]
+            );
+        }
+    }
+}
+
+/// Whether a ray is so near to the plane of a triangle (|cos| < 2⁻¹⁰ to its normal) that no margin of
+/// the tests of triangles against cells covers the error of t.
+fn is_grazing(ray: &Ray, triangle: &Triangle) -> bool {
+    let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|p| p.as_dvec3());
+    let (normal, d) = ((b - a).cross(c - a), ray.direction.as_dvec3());
+    normal.dot(d).abs() < normal.length() * d.length() / 1024.0
 }
