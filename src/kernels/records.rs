@@ -242,84 +242,6 @@ pub(crate) unsafe fn keep_meeting<L: Lanes, const SHARED: bool, const SPECIAL: b
     }
 }
 
-/// Rays that are done once the triangles of a cell have been intersected, because every cell behind
-/// it will turn them away: their best t is before its exit.
-///
-/// A cell that comes later is behind a plane that this one is before, so the ray enters it, as
-/// computed, no sooner than it leaves this one: slabs are monotone in the planes. Rays without a
-/// direction on an axis are not before or behind a plane across it; they are done only if their origin
-/// is strictly between this cell's.
-struct Done<'a, L: Lanes, const SHARED: bool, const SPECIAL: bool> {
-    rays: &'a RayRecords,
-    slabs: SlabBox<L>,
-}
-
-impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Done<'_, L, SHARED, SPECIAL> {
-    #[inline(always)]
-    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
-        // SAFETY: as promised.
-        unsafe {
-            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
-            let inverse = [x, y, z];
-            let origin = if SHARED {
-                inverse
-            } else {
-                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
-                [x, y, z]
-            };
-            let exit = self.slabs.sure_exit::<SHARED, SPECIAL>(&inverse, &origin);
-            // An occluded ray's t is negative.
-            let before = L::lt(t, L::max(exit, L::splat(0.0)));
-            L::and(before, active)
-        }
-    }
-}
-
-/// Rays that have hit anything, wherever: those that section 3.2 ends, as it is printed.
-struct DoneAsPrinted<'a> {
-    rays: &'a RayRecords,
-}
-
-impl<L: Lanes> Test<L> for DoneAsPrinted<'_> {
-    #[inline(always)]
-    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
-        // SAFETY: as promised.
-        unsafe {
-            if self.rays.any_hit {
-                let [.., t] = L::gather4(self.rays.slabs, ids);
-                L::and(active, L::lt(t, L::splat(0.0)))
-            } else {
-                let prim = L::gather_u(self.rays.prim, L::load_u(ids), active);
-                L::and_not(active, L::eq_u(prim, L::splat_u(MISS)))
-            }
-        }
-    }
-}
-
-/// Moves the rays of a list that are done, now that the triangles of a cell have been intersected, to
-/// its front; returns how many are.
-///
-/// # Safety
-/// As for [`keep_meeting`].
-#[inline(always)]
-pub(crate) unsafe fn keep_done<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
-    rays: &RayRecords,
-    list: Range,
-    cell: &Aabb,
-    as_printed: bool,
-) -> usize {
-    // SAFETY: as promised.
-    unsafe {
-        let ids = rays.ids.add(list.from);
-        if as_printed {
-            return partition::<L, _>(ids, list.len(), &mut DoneAsPrinted { rays });
-        }
-        let slabs = SlabBox::new(cell, rays.shared_origin);
-        let mut test = Done::<L, SHARED, SPECIAL> { rays, slabs };
-        partition::<L, _>(ids, list.len(), &mut test)
-    }
-}
-
 /// Rays of an octant of directions.
 struct InOctant<'a> {
     rays: &'a RayRecords,
@@ -357,15 +279,51 @@ pub(crate) unsafe fn keep_octant<L: Lanes>(rays: &RayRecords, list: Range, octan
     unsafe { partition::<L, _>(rays.ids.add(list.from), list.len(), &mut test) }
 }
 
-/// A range of the index list as the naive step takes it.
-#[derive(Clone, Copy)]
-pub(crate) struct Indexed<'a> {
-    pub rays: &'a RayRecords,
-    pub list: Range,
+/// When rays are done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Done {
+    /// Not before the end.
+    Never,
+    /// Once every cell that comes later will turn them away, because their best t is before the exit
+    /// of the cell whose triangles they have met.
+    ///
+    /// A later cell is behind a plane that this one is before, so a ray enters it, as computed, no
+    /// sooner than it leaves this one: slabs are monotone in their planes. A ray without a direction on
+    /// an axis is not before or behind a plane across it; it is done only if its origin is
+    /// strictly between this cell's.
+    BeforeExit,
+    /// Once they have hit anything, wherever: as section 3.2 prints it.
+    Hit,
+}
+
+/// A range of the index list as the naive step takes it. Rays that are done come first when it is over.
+pub(crate) struct Indexed<'a, L: Lanes> {
+    rays: &'a RayRecords,
+    list: Range,
+    cell: SlabBox<L>,
+    when: Done,
+    /// Place behind the rays that are done.
+    pub done: usize,
+}
+
+impl<'a, L: Lanes> Indexed<'a, L> {
+    /// # Safety
+    /// The processor has `L`'s instruction set; `rays` are those of the batch.
+    #[inline(always)]
+    pub unsafe fn new(rays: &'a RayRecords, list: Range, cell: &Aabb, when: Done) -> Self {
+        Indexed {
+            rays,
+            list,
+            // SAFETY: as promised.
+            cell: unsafe { SlabBox::new(cell, rays.shared_origin) },
+            when,
+            done: list.from,
+        }
+    }
 }
 
 // SAFETY: an index list names rays of the batch, each once.
-unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
+unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.list.len()
@@ -397,6 +355,7 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
             let [x, y, z, tmin] = L::gather4(self.rays.directions, ids);
             RayVector {
                 active: L::first(self.list.len() - i),
+                id: L::load_u(ids),
                 inverse,
                 origin,
                 direction: [x, y, z],
@@ -416,5 +375,39 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
     unsafe fn set_t(&self, id: u32, t: f32) {
         // SAFETY: as promised.
         unsafe { (*self.rays.slabs.add(id as usize))[3] = t }
+    }
+
+    #[inline(always)]
+    unsafe fn finish<const SHARED: bool, const SPECIAL: bool>(
+        &mut self,
+        i: usize,
+        v: &RayVector<L>,
+        t: L::F,
+    ) {
+        // SAFETY: as promised. Rays that are not done, between those that are and the vector, make
+        // room for the new ones.
+        unsafe {
+            // An occluded ray's t is negative.
+            let zero = L::splat(0.0);
+            let done = match self.when {
+                Done::Never => return,
+                Done::BeforeExit => {
+                    let exit = (self.cell).sure_exit::<SHARED, SPECIAL>(&v.inverse, &v.origin);
+                    L::lt(t, L::max(exit, zero))
+                }
+                Done::Hit if self.rays.any_hit => L::lt(t, zero),
+                Done::Hit => {
+                    let prim = L::gather_u(self.rays.prim, v.id, v.active);
+                    L::and_not(v.active, L::eq_u(prim, L::splat_u(MISS)))
+                }
+            };
+            let mut bits = L::bits(L::and(done, v.active));
+            while bits != 0 {
+                let place = self.list.from + i + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                std::ptr::swap(self.rays.ids.add(place), self.rays.ids.add(self.done));
+                self.done += 1;
+            }
+        }
     }
 }
