@@ -18,6 +18,8 @@ pub(crate) struct RayVector<L: Lanes> {
     pub tmin: L::F,
     /// Best t so far.
     pub t: L::F,
+    /// Best triangle so far; meaningless where [`RayList::found`] looks it up.
+    pub prim: L::U,
 }
 
 /// A list of active rays, however it is stored.
@@ -27,9 +29,6 @@ pub(crate) struct RayVector<L: Lanes> {
 pub(crate) unsafe trait RayList<L: Lanes> {
     fn len(&self) -> usize;
     fn shared_origin(&self) -> Option<Vec3>;
-    /// Best triangle so far by ray id; unused for any-hit rays.
-    fn prim(&self) -> *mut u32;
-
     /// The vector from place `i` on.
     ///
     /// # Safety
@@ -42,11 +41,17 @@ pub(crate) unsafe trait RayList<L: Lanes> {
     /// The place is below the length.
     unsafe fn id(&self, i: usize) -> u32;
 
-    /// A new best t.
+    /// The best triangles so far of some lanes of a vector.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; the vector is one of the list.
+    unsafe fn found(&self, v: &RayVector<L>, lanes: L::M) -> L::U;
+
+    /// A new best hit; of any-hit rays only t counts.
     ///
     /// # Safety
     /// `id` is one of the list.
-    unsafe fn set_t(&self, id: u32, t: f32);
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32);
 
     /// Called when a vector of rays has met all triangles, with the best t there is now. From here on
     /// the places up to the end of the vector are not looked at again.
@@ -129,7 +134,7 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                     // is a miss's.
                     let tie = L::and(changed, L::eq(t, v.t));
                     if L::bits(tie) != 0 {
-                        let before = L::gather_u(rays.prim(), v.id, tie);
+                        let before = rays.found(&v, tie);
                         changed = L::and_not(changed, L::and_not(tie, L::lt_u(prim, before)));
                     }
                 }
@@ -142,11 +147,7 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                     while bits != 0 {
                         let lane = bits.trailing_zeros() as usize;
                         bits &= bits - 1;
-                        let id = rays.id(i + lane);
-                        rays.set_t(id, lane_t[lane]);
-                        if !ANY {
-                            *rays.prim().add(id as usize) = lane_prim[lane];
-                        }
+                        rays.set::<ANY>(rays.id(i + lane), lane_t[lane], lane_prim[lane]);
                     }
                 }
                 if last {
@@ -174,11 +175,6 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
     #[inline(always)]
     fn shared_origin(&self) -> Option<Vec3> {
         self.rays.shared_origin
-    }
-
-    #[inline(always)]
-    fn prim(&self) -> *mut u32 {
-        self.rays.prim
     }
 
     #[inline(always)]
@@ -212,6 +208,7 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
                 direction: [x, y, z],
                 tmin,
                 t: L::gather(rays.t, id, active),
+                prim: id,
             }
         }
     }
@@ -223,9 +220,20 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
     }
 
     #[inline(always)]
-    unsafe fn set_t(&self, id: u32, t: f32) {
+    unsafe fn found(&self, v: &RayVector<L>, lanes: L::M) -> L::U {
         // SAFETY: as promised.
-        unsafe { *self.rays.t.add(id as usize) = t }
+        unsafe { L::gather_u(self.rays.prim, v.id, lanes) }
+    }
+
+    #[inline(always)]
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
+        // SAFETY: as promised.
+        unsafe {
+            *self.rays.t.add(id as usize) = t;
+            if !ANY {
+                *self.rays.prim.add(id as usize) = prim;
+            }
+        }
     }
 }
 

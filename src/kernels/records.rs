@@ -16,12 +16,12 @@ pub(crate) struct RayRecords {
     /// Inverse direction (NaN where that is not finite) and best t so far; at first `tmax`, and −1
     /// for an occluded any-hit ray.
     pub slabs: *mut [f32; 4],
-    /// Direction and tmin.
+    /// Direction, and the bits of the best triangle so far (unused for any-hit rays).
     pub directions: *mut [f32; 4],
     /// Origin; not written where the batch shares its origin.
     pub origins: *mut [f32; 4],
-    /// Best triangle so far; unused for any-hit rays.
-    pub prim: *mut u32,
+    /// tmin of each ray, if they are not all the same.
+    pub tmin: *const f32,
     /// Indices of active rays, with whole vectors of valid indices behind their end.
     pub ids: *mut u32,
     /// The origin, if the batch has only one.
@@ -30,6 +30,8 @@ pub(crate) struct RayRecords {
     pub special: bool,
     /// The least `tmin` of all valid rays.
     pub least_tmin: f32,
+    /// Whether that is the tmin of all of them.
+    pub one_tmin: bool,
     /// Whether any hit will do.
     pub any_hit: bool,
 }
@@ -56,6 +58,8 @@ pub(crate) struct PreparedRecords {
     pub special: bool,
     /// The least tmin of the valid rays.
     pub least_tmin: f32,
+    /// Whether all of them have that one.
+    pub one_tmin: bool,
     /// The box around the origins of the valid rays.
     pub origins: Aabb,
 }
@@ -76,7 +80,7 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
         let nan = L::splat(f32::NAN);
         let infinity = L::splat(f32::INFINITY);
         let mut least = [infinity; 4];
-        let mut greatest = [L::splat(f32::NEG_INFINITY); 3];
+        let mut greatest = [L::splat(f32::NEG_INFINITY); 4];
         let mut special = L::first(0);
         let mut n = 0;
         for at in (0..batch.len()).step_by(L::N) {
@@ -88,6 +92,7 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             let valid = prepare::valid::<L>(&origin, &direction, tmin, tmax);
             let valid = L::and(valid, L::first(left));
             least[3] = L::select(valid, L::min(tmin, least[3]), least[3]);
+            greatest[3] = L::select(valid, L::max(tmin, greatest[3]), greatest[3]);
             let mut inverse = direction;
             for axis in 0..3 {
                 let o = origin[axis];
@@ -101,7 +106,8 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             // An invalid ray's tmax may be the very mark of an occluded ray.
             let best = L::select(valid, tmax, infinity);
             let slab = [inverse[0], inverse[1], inverse[2], best];
-            let directed = [direction[0], direction[1], direction[2], tmin];
+            let miss = L::from_bits(L::splat_u(MISS));
+            let directed = [direction[0], direction[1], direction[2], miss];
             let placed = [origin[0], origin[1], origin[2], tmin];
             if left >= L::N {
                 L::store4(rays.slabs.add(at), slab);
@@ -116,9 +122,6 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
                     store_first4::<L>(rays.origins.add(at), placed, left);
                 }
             }
-            if !rays.any_hit {
-                L::store_first_u(rays.prim.add(at), L::splat_u(MISS), left.min(L::N));
-            }
             // Lanes behind the batch name a ray, too: compressing may leave any lane behind the list.
             let id = L::select_u(
                 L::first(left),
@@ -128,10 +131,12 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             L::store_u(rays.ids.add(n), L::compress_u(valid, id));
             n += L::bits(valid).count_ones() as usize;
         }
+        let least_tmin = least_of::<L>(least[3]);
         PreparedRecords {
             valid: n,
             special: L::bits(special) != 0,
-            least_tmin: least_of::<L>(least[3]),
+            least_tmin,
+            one_tmin: least_tmin == -least_of::<L>(L::sub(L::splat(0.0), greatest[3])),
             origins: Aabb {
                 min: Vec3::new(
                     least_of::<L>(least[0]),
@@ -335,11 +340,6 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
     }
 
     #[inline(always)]
-    fn prim(&self) -> *mut u32 {
-        self.rays.prim
-    }
-
-    #[inline(always)]
     unsafe fn load<const SHARED: bool>(&self, i: usize) -> RayVector<L> {
         // SAFETY: as promised; behind a list there are valid indices, too.
         unsafe {
@@ -352,15 +352,21 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
                 let [x, y, z, _] = L::gather4(self.rays.origins, ids);
                 [x, y, z]
             };
-            let [x, y, z, tmin] = L::gather4(self.rays.directions, ids);
+            let [x, y, z, prim] = L::gather4(self.rays.directions, ids);
+            let (active, id) = (L::first(self.list.len() - i), L::load_u(ids));
+            let tmin = match self.rays.one_tmin {
+                true => L::splat(self.rays.least_tmin),
+                false => L::gather(self.rays.tmin, id, active),
+            };
             RayVector {
-                active: L::first(self.list.len() - i),
-                id: L::load_u(ids),
+                active,
+                id,
                 inverse,
                 origin,
                 direction: [x, y, z],
                 tmin,
                 t,
+                prim: L::to_bits(prim),
             }
         }
     }
@@ -372,9 +378,19 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
     }
 
     #[inline(always)]
-    unsafe fn set_t(&self, id: u32, t: f32) {
+    unsafe fn found(&self, v: &RayVector<L>, _: L::M) -> L::U {
+        v.prim
+    }
+
+    #[inline(always)]
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
         // SAFETY: as promised.
-        unsafe { (*self.rays.slabs.add(id as usize))[3] = t }
+        unsafe {
+            (*self.rays.slabs.add(id as usize))[3] = t;
+            if !ANY {
+                (*self.rays.directions.add(id as usize))[3] = f32::from_bits(prim);
+            }
+        }
     }
 
     #[inline(always)]
@@ -397,8 +413,9 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
                 }
                 Done::Hit if self.rays.any_hit => L::lt(t, zero),
                 Done::Hit => {
-                    let prim = L::gather_u(self.rays.prim, v.id, v.active);
-                    L::and_not(v.active, L::eq_u(prim, L::splat_u(MISS)))
+                    let ids = self.rays.ids.add(self.list.from + i);
+                    let [.., prim] = L::gather4(self.rays.directions, ids);
+                    L::and_not(v.active, L::eq_u(L::to_bits(prim), L::splat_u(MISS)))
                 }
             };
             let mut bits = L::bits(L::and(done, v.active));
