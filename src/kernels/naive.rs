@@ -102,7 +102,15 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                 let mut t = v.t;
                 let mut prim = L::splat_u(0);
                 let mut changed = L::first(0);
+                // Two loops: the first has no branch to be mispredicted, the second few rounds.
+                let mut candidates = 0u32;
                 for j in 0..len {
+                    let (inside, ..) = chunk.inside::<L, SHARED>(j, &v.origin, &v.direction);
+                    candidates |= ((L::bits(L::and(inside, v.active)) != 0) as u32) << j;
+                }
+                while candidates != 0 {
+                    let j = candidates.trailing_zeros() as usize;
+                    candidates &= candidates - 1;
                     let (mut hit, t_hit) = chunk.intersect::<L, SHARED, SPECIAL>(
                         j,
                         &v.origin,

@@ -301,6 +301,8 @@ pub(crate) enum Done {
     Hit,
 }
 
+const STEP: usize = 4;
+const AHEAD: usize = 8;
 /// A range of the index list as the naive step takes it. Rays that are done come first when it is over.
 pub(crate) struct Indexed<'a, L: Lanes> {
     rays: &'a RayRecords,
@@ -344,6 +346,11 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
         // SAFETY: as promised; behind a list there are valid indices, too.
         unsafe {
             let ids = self.rays.ids.add(self.list.from + i);
+            for lane in (0..L::N).step_by(STEP) {
+                let next = *ids.add(AHEAD * L::N + lane) as usize;
+                L::prefetch(self.rays.slabs.wrapping_add(next).cast());
+                L::prefetch(self.rays.directions.wrapping_add(next).cast());
+            }
             let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
             let inverse = [x, y, z];
             let origin = if SHARED {

@@ -38,7 +38,7 @@ impl Memory {
             slabs: records(),
             directions: records(),
             origins: records(),
-            ray_ids: vec![0; rays + MAX_LANES],
+            ray_ids: vec![0; rays + 10 * MAX_LANES],
             cones: vec![[0.0; 4]; cones],
             cone_rays: vec![[0; 2]; cones],
             cone_ids: vec![0; cones + MAX_LANES],
