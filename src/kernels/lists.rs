@@ -159,6 +159,14 @@ impl<L: Lanes> Test<L> for Reaches<L> {
             L::and(reaches, active)
         }
     }
+
+    #[inline(always)]
+    unsafe fn prefetch(&self, ids: *const u32) {
+        for lane in 0..MAX_LANES {
+            // SAFETY: as promised.
+            unsafe { L::prefetch(self.spans.wrapping_add(*ids.add(lane) as usize).cast()) }
+        }
+    }
 }
 
 /// Moves the triangles that reach to a side to the front of the index list; returns how many do.

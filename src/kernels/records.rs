@@ -220,6 +220,21 @@ impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Meets<'_, L,
             passed
         }
     }
+
+    #[inline(always)]
+    unsafe fn prefetch(&self, ids: *const u32) {
+        // Rays of one origin are most often near each other in the batch: four share a cache line.
+        for lane in (0..MAX_LANES).step_by(if SHARED { 4 } else { 1 }) {
+            // SAFETY: as promised.
+            unsafe {
+                let next = *ids.add(lane) as usize;
+                L::prefetch(self.rays.slabs.wrapping_add(next).cast());
+                if !SHARED {
+                    L::prefetch(self.rays.origins.wrapping_add(next).cast());
+                }
+            }
+        }
+    }
 }
 
 /// Moves the rays of a list that meet a box no further away than their best hit to its front; returns
@@ -301,8 +316,9 @@ pub(crate) enum Done {
     Hit,
 }
 
-const STEP: usize = 4;
-const AHEAD: usize = 8;
+/// Places between the rays that are intersected and those that are fetched for later.
+const AHEAD: usize = 8 * MAX_LANES;
+
 /// A range of the index list as the naive step takes it. Rays that are done come first when it is over.
 pub(crate) struct Indexed<'a, L: Lanes> {
     rays: &'a RayRecords,
@@ -346,10 +362,13 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
         // SAFETY: as promised; behind a list there are valid indices, too.
         unsafe {
             let ids = self.rays.ids.add(self.list.from + i);
-            for lane in (0..L::N).step_by(STEP) {
-                let next = *ids.add(AHEAD * L::N + lane) as usize;
+            for lane in (0..L::N).step_by(if SHARED { 4 } else { 1 }) {
+                let next = *ids.add(AHEAD + lane) as usize;
                 L::prefetch(self.rays.slabs.wrapping_add(next).cast());
                 L::prefetch(self.rays.directions.wrapping_add(next).cast());
+                if !SHARED {
+                    L::prefetch(self.rays.origins.wrapping_add(next).cast());
+                }
             }
             let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
             let inverse = [x, y, z];
