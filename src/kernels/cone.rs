@@ -436,7 +436,7 @@ impl<L: Lanes> Test<L> for Seen<L> {
         }
         // SAFETY: as promised.
         unsafe {
-            let [x, y, z, sine] = L::gather4(self.cones, ids);
+            let [x, y, z, sine] = L::gather4::<1>(self.cones, ids);
             let axis = [x, y, z];
             let zero = L::splat(0.0);
             let tolerance = L::splat(-TOLERANCE);

@@ -207,7 +207,7 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
                 L::prefetch(rays.t.wrapping_add(next));
             }
             // What stands behind the list are old ids, so there are directions for them too.
-            let [x, y, z, tmin] = L::gather4(rays.directions, s.id.add(at));
+            let [x, y, z, tmin] = L::gather4::<1>(rays.directions, s.id.add(at));
             RayVector {
                 active,
                 id,

@@ -14,15 +14,14 @@ use glam::Vec3;
 #[derive(Clone, Copy)]
 pub(crate) struct RayRecords {
     /// Inverse direction (NaN where that is not finite) and best t so far; at first `tmax`, and −1
-    /// for an occluded any-hit ray.
+    /// for an occluded any-hit ray. Where rays have origins of their own, each is followed by its
+    /// origin, in the same cache line.
     pub slabs: *mut [f32; 4],
     /// Direction, and the bits of the best triangle so far (unused for any-hit rays).
     pub directions: *mut [f32; 4],
-    /// Origin; not written where the batch shares its origin.
-    pub origins: *mut [f32; 4],
     /// tmin of each ray, if they are not all the same.
     pub tmin: *const f32,
-    /// Indices of active rays, with whole vectors of valid indices behind their end.
+    /// Indices of active rays, with [`RAYS_AHEAD`] valid indices behind their end.
     pub ids: *mut u32,
     /// The origin, if the batch has only one.
     pub shared_origin: Option<Vec3>,
@@ -34,6 +33,39 @@ pub(crate) struct RayRecords {
     pub one_tmin: bool,
     /// Whether any hit will do.
     pub any_hit: bool,
+}
+
+impl RayRecords {
+    /// Inverse directions, origins (meaningless where they are shared) and best t of `L::N` rays.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `L::N` indices of rays at `ids`.
+    #[inline(always)]
+    unsafe fn slabs<L: Lanes, const SHARED: bool>(
+        &self,
+        ids: *const u32,
+    ) -> ([L::F; 3], [L::F; 3], L::F) {
+        // SAFETY: as promised.
+        unsafe {
+            if SHARED {
+                let [x, y, z, t] = L::gather4::<1>(self.slabs, ids);
+                ([x, y, z], [x, y, z], t)
+            } else {
+                let [x, y, z, t] = L::gather4::<2>(self.slabs, ids);
+                let [ox, oy, oz, _] = L::gather4::<2>(self.slabs.add(1), ids);
+                ([x, y, z], [ox, oy, oz], t)
+            }
+        }
+    }
+
+    /// Place of the first record of a ray.
+    #[inline(always)]
+    fn place(&self, ray: usize) -> usize {
+        match self.shared_origin {
+            Some(_) => ray,
+            None => 2 * ray,
+        }
+    }
 }
 
 /// A range of the index list.
@@ -109,18 +141,13 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             let miss = L::from_bits(L::splat_u(MISS));
             let directed = [direction[0], direction[1], direction[2], miss];
             let placed = [origin[0], origin[1], origin[2], tmin];
-            if left >= L::N {
-                L::store4(rays.slabs.add(at), slab);
-                L::store4(rays.directions.add(at), directed);
-                if rays.shared_origin.is_none() {
-                    L::store4(rays.origins.add(at), placed);
-                }
+            let lanes = left.min(L::N);
+            store_first4::<L, 1>(rays.directions.add(at), directed, lanes);
+            if rays.shared_origin.is_some() {
+                store_first4::<L, 1>(rays.slabs.add(at), slab, lanes);
             } else {
-                store_first4::<L>(rays.slabs.add(at), slab, left);
-                store_first4::<L>(rays.directions.add(at), directed, left);
-                if rays.shared_origin.is_none() {
-                    store_first4::<L>(rays.origins.add(at), placed, left);
-                }
+                store_first4::<L, 2>(rays.slabs.add(2 * at), slab, lanes);
+                store_first4::<L, 2>(rays.slabs.add(2 * at + 1), placed, lanes);
             }
             // Lanes behind the batch name a ray, too: compressing may leave any lane behind the list.
             let id = L::select_u(
@@ -153,15 +180,22 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
     }
 }
 
+/// Stores the first `n` of `L::N` records, to every `STRIDE`-th place.
+///
 /// # Safety
-/// The processor has `L`'s instruction set; room for `n` records, fewer than `L::N`.
+/// The processor has `L`'s instruction set; there is room for so many, at most `L::N`.
 #[inline(always)]
-unsafe fn store_first4<L: Lanes>(p: *mut [f32; 4], v: [L::F; 4], n: usize) {
-    let mut records = [[0f32; 4]; MAX_LANES];
+unsafe fn store_first4<L: Lanes, const STRIDE: usize>(p: *mut [f32; 4], v: [L::F; 4], n: usize) {
     // SAFETY: as promised.
     unsafe {
+        if STRIDE == 1 && n == L::N {
+            return L::store4(p, v);
+        }
+        let mut records = [[0f32; 4]; MAX_LANES];
         L::store4(records.as_mut_ptr(), v);
-        std::ptr::copy_nonoverlapping(records.as_ptr(), p, n);
+        for (i, record) in records.iter().enumerate().take(n) {
+            *p.add(STRIDE * i) = *record;
+        }
     }
 }
 
@@ -198,14 +232,7 @@ impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Meets<'_, L,
     unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
         // SAFETY: as promised.
         unsafe {
-            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
-            let inverse = [x, y, z];
-            let origin = if SHARED {
-                inverse
-            } else {
-                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
-                [x, y, z]
-            };
+            let (inverse, origin, t) = self.rays.slabs::<L, SHARED>(ids);
             let tmin = L::splat(self.rays.least_tmin);
             let (near, far) = (self.slabs).interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
             let meets = L::and(L::le(near, far), L::le(near, t));
@@ -228,10 +255,7 @@ impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Meets<'_, L,
             // SAFETY: as promised.
             unsafe {
                 let next = *ids.add(lane) as usize;
-                L::prefetch(self.rays.slabs.wrapping_add(next).cast());
-                if !SHARED {
-                    L::prefetch(self.rays.origins.wrapping_add(next).cast());
-                }
+                L::prefetch(self.rays.slabs.wrapping_add(self.rays.place(next)).cast());
             }
         }
     }
@@ -263,19 +287,19 @@ pub(crate) unsafe fn keep_meeting<L: Lanes, const SHARED: bool, const SPECIAL: b
 }
 
 /// Rays of an octant of directions.
-struct InOctant<'a> {
+struct InOctant<'a, const SHARED: bool> {
     rays: &'a RayRecords,
     octant: usize,
 }
 
-impl<L: Lanes> Test<L> for InOctant<'_> {
+impl<L: Lanes, const SHARED: bool> Test<L> for InOctant<'_, SHARED> {
     #[inline(always)]
     unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
         // SAFETY: as promised.
         unsafe {
-            let [x, y, z, _] = L::gather4(self.rays.slabs, ids);
+            let (inverse, ..) = self.rays.slabs::<L, SHARED>(ids);
             let mut inside = active;
-            for (axis, inverse) in [x, y, z].into_iter().enumerate() {
+            for (axis, inverse) in inverse.into_iter().enumerate() {
                 let down = L::lt(inverse, L::splat(0.0));
                 inside = match self.octant >> axis & 1 {
                     0 => L::and_not(inside, down),
@@ -293,8 +317,12 @@ impl<L: Lanes> Test<L> for InOctant<'_> {
 /// # Safety
 /// As for [`keep_meeting`].
 #[inline(always)]
-pub(crate) unsafe fn keep_octant<L: Lanes>(rays: &RayRecords, list: Range, octant: usize) -> usize {
-    let mut test = InOctant { rays, octant };
+pub(crate) unsafe fn keep_octant<L: Lanes, const SHARED: bool>(
+    rays: &RayRecords,
+    list: Range,
+    octant: usize,
+) -> usize {
+    let mut test = InOctant::<SHARED> { rays, octant };
     // SAFETY: as promised.
     unsafe { partition::<L, _>(rays.ids.add(list.from), list.len(), &mut test) }
 }
@@ -318,6 +346,8 @@ pub(crate) enum Done {
 
 /// Places between the rays that are intersected and those that are fetched for later.
 const AHEAD: usize = 8 * MAX_LANES;
+/// Valid indices that stand behind the index list.
+pub(crate) const RAYS_AHEAD: usize = AHEAD + MAX_LANES;
 
 /// A range of the index list as the naive step takes it. Rays that are done come first when it is over.
 pub(crate) struct Indexed<'a, L: Lanes> {
@@ -364,21 +394,11 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
             let ids = self.rays.ids.add(self.list.from + i);
             for lane in (0..L::N).step_by(if SHARED { 4 } else { 1 }) {
                 let next = *ids.add(AHEAD + lane) as usize;
-                L::prefetch(self.rays.slabs.wrapping_add(next).cast());
+                L::prefetch(self.rays.slabs.wrapping_add(self.rays.place(next)).cast());
                 L::prefetch(self.rays.directions.wrapping_add(next).cast());
-                if !SHARED {
-                    L::prefetch(self.rays.origins.wrapping_add(next).cast());
-                }
             }
-            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
-            let inverse = [x, y, z];
-            let origin = if SHARED {
-                inverse
-            } else {
-                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
-                [x, y, z]
-            };
-            let [x, y, z, prim] = L::gather4(self.rays.directions, ids);
+            let (inverse, origin, t) = self.rays.slabs::<L, SHARED>(ids);
+            let [x, y, z, prim] = L::gather4::<1>(self.rays.directions, ids);
             let (active, id) = (L::first(self.list.len() - i), L::load_u(ids));
             let tmin = match self.rays.one_tmin {
                 true => L::splat(self.rays.least_tmin),
@@ -412,7 +432,8 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
     unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
         // SAFETY: as promised.
         unsafe {
-            (*self.rays.slabs.add(id as usize))[3] = t;
+            let place = self.rays.place(id as usize);
+            (*self.rays.slabs.add(place))[3] = t;
             if !ANY {
                 (*self.rays.directions.add(id as usize))[3] = f32::from_bits(prim);
             }
@@ -440,7 +461,7 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
                 Done::Hit if self.rays.any_hit => L::lt(t, zero),
                 Done::Hit => {
                     let ids = self.rays.ids.add(self.list.from + i);
-                    let [.., prim] = L::gather4(self.rays.directions, ids);
+                    let [.., prim] = L::gather4::<1>(self.rays.directions, ids);
                     L::and_not(v.active, L::eq_u(L::to_bits(prim), L::splat_u(MISS)))
                 }
             };

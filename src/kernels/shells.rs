@@ -255,7 +255,12 @@ macro_rules! shells {
             $(#[$feature])?
             unsafe fn keep_octant(rays: &RayRecords, list: Range, octant: usize) -> usize {
                 // SAFETY: as above.
-                unsafe { records::keep_octant::<L>(rays, list, octant) }
+                unsafe {
+                    match rays.shared_origin {
+                        Some(_) => records::keep_octant::<L, true>(rays, list, octant),
+                        None => records::keep_octant::<L, false>(rays, list, octant),
+                    }
+                }
             }
 
             $(#[$feature])?

@@ -89,23 +89,24 @@ pub(in crate::methods) fn trace(
         }
     }
     let counters = divide.counters;
+    let shared = job.shared_origin.is_some();
     match answer {
         Answer::Nearest(hits) => {
             let hits = hits.t.iter_mut().zip(&mut hits.prim);
-            for ((t, prim), (best, found)) in hits.zip(memory.best()) {
+            for ((t, prim), (best, found)) in hits.zip(memory.best(shared)) {
                 *prim = found;
                 *t = if found == MISS { f32::INFINITY } else { best };
             }
         }
         Answer::Any(occluded) => {
-            for (occluded, (best, _)) in occluded.iter_mut().zip(memory.best()) {
+            for (occluded, (best, _)) in occluded.iter_mut().zip(memory.best(shared)) {
                 *occluded = (best == OCCLUDED) as u8;
             }
         }
     }
     Trace {
         counters,
-        shared_origin: job.shared_origin.is_some(),
+        shared_origin: shared,
         invalid_rays: (batch.len() - of_rays.valid) as u64,
         variant: Some(variant),
     }
