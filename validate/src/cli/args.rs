@@ -106,6 +106,11 @@ pub struct EngineArgs {
 Lists are comma-separated. Each combination of scene, resolution, samples, ray type, method and
 method parameters is a cell; a parameter that a method lacks makes no cells of it.
 
+Rays that share no origin (all but primary and shadow-point) are traced by mora2011 and
+mora2011-cones in the same way as by mora2011-random; `variant` in the result says so.
+--terminate-as-printed true ends a ray as Mora 2011 prints it, which is wrong: such a cell has the
+number of wrong rays and no times, and the exit code is 1.
+
 Without --scenes, hall, relief and soup (generated) and sibenik, conference and sponza (where
 their meshes are found) are traced, with 3 repeats unless --repeats says otherwise.
 
@@ -130,14 +135,11 @@ pub struct RunArgs {
     /// [default: primary,shadow-point,diffuse-1, those that the scene is for]
     #[arg(long, value_delimiter = ',', value_name = "TYPES")]
     pub rays: Option<Vec<String>>,
-    /// Methods: afra2012, nabata2013
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "NAMES",
-        default_value = "afra2012,nabata2013"
-    )]
-    pub methods: Vec<String>,
+    /// Methods: afra2012, nabata2013, mora2011, mora2011-cones, mora2011-random
+    /// [default: afra2012, nabata2013, and of Mora's the first two for primary and shadow-point rays,
+    /// the last for all others]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub methods: Option<Vec<String>>,
     /// Picture sizes in pixels
     #[arg(
         long,
@@ -207,7 +209,7 @@ pub struct TraceArgs {
     /// Rays: .npy, float32 [N, 8]
     #[arg(long, value_name = "FILE")]
     pub rays: PathBuf,
-    /// Method: afra2012 or nabata2013
+    /// Method: afra2012, nabata2013, mora2011, mora2011-cones or mora2011-random
     #[arg(long, value_name = "NAME")]
     pub method: String,
     /// Where the hits go: .npz
@@ -302,7 +304,7 @@ pub struct RenderArgs {
     /// A .png file (one picture), or a folder for SCENE-WHAT.png [default: this folder]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// Method: afra2012 or nabata2013
+    /// Method: afra2012, nabata2013, mora2011, mora2011-cones or mora2011-random
     #[arg(long, value_name = "NAME", default_value = "nabata2013")]
     pub method: String,
     #[command(flatten)]
