@@ -20,6 +20,7 @@ use std::str::FromStr;
 Examples:
   dacrt run                                          the main job: three generated scenes and more
   dacrt run --scenes sibenik,hall --resolution 1024 --rays primary,diffuse-1
+  dacrt paper mora2011
   dacrt render hall --what shaded,boxes
   dacrt trace --mesh bunny.obj --rays rays.npy --method nabata2013 --out hits.npz
   dacrt scenes
@@ -38,6 +39,8 @@ pub struct Cli {
 pub enum Command {
     /// Trace scenes with several methods, check every hit, measure, write a JSON file
     Run(RunArgs),
+    /// Measure what a paper prints, and set its figures beside ours
+    Paper(PaperArgs),
     /// Trace your own rays through your own mesh
     Trace(TraceArgs),
     /// Make pictures of a scene
@@ -178,6 +181,61 @@ pub struct RunArgs {
     pub engine: EngineArgs,
     #[command(flatten)]
     pub knobs: KnobLists,
+}
+
+/// A paper with figures to set ours beside.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Paper {
+    Mora2011,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+mora2011  Fig. 8: ray/box, cone/box, triangle/box and ray/triangle tests, nodes and frames a second
+          of mora2011 (basic) and mora2011-cones, primary rays, and of the latter with the shadow
+          rays of a point light; then what the cones save. Beside ours stand the least and the
+          greatest figure that the paper has over its scenes.
+
+Everything is checked as by `dacrt run` (no time without right hits), and the result file is of the
+same kind. Scenes whose mesh is not found are left out unless --scenes names them.
+
+Examples:
+  dacrt paper mora2011
+  dacrt paper mora2011 --scenes hall --resolution 320x200        needs no mesh file")]
+pub struct PaperArgs {
+    /// Which paper
+    #[arg(value_enum)]
+    pub paper: Paper,
+    /// Scenes to trace (see `dacrt scenes`) [default: sibenik,conference,sponza,bunny]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub scenes: Option<Vec<String>>,
+    /// Picture size in pixels; the default is the paper's
+    #[arg(
+        long,
+        value_name = "N|WxH",
+        default_value = "1280x800",
+        allow_negative_numbers = true
+    )]
+    pub resolution: Resolution,
+    /// Measured repeats of each contestant
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 5,
+        allow_negative_numbers = true,
+        value_parser = whole(1..=1000u32)
+    )]
+    pub repeats: u32,
+    /// Where the results go, as JSON
+    #[arg(long, value_name = "FILE", default_value = "dacrt-paper.json")]
+    pub out: PathBuf,
+    /// Keep the finished cells of the file given by --out
+    #[arg(long)]
+    pub resume: bool,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 #[derive(Args)]

@@ -336,7 +336,7 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Every name once, in the order typed.
-fn distinct(names: &[String]) -> impl Iterator<Item = &str> {
+pub fn distinct(names: &[String]) -> impl Iterator<Item = &str> {
     let first = |(i, name): &(usize, &String)| !names[..*i].contains(name);
     let names = names.iter().enumerate();
     names.filter(first).map(|(_, name)| name.as_str())
