@@ -2,16 +2,25 @@
 //! every instruction set by the thin shells of [`Kernels`].
 
 mod bins;
+mod cone;
 mod filter;
+mod lists;
 mod naive;
+mod overlap;
+mod partition;
 mod prepare;
+mod records;
 mod sample;
 mod shells;
 mod slab;
 mod triangle;
 
 pub(crate) use bins::{BinBox, Binning, Bins, Item, MAX_BINS};
+pub(crate) use cone::{Cones, LEAST_PACKET};
 pub(crate) use filter::{BLOCK, Keep};
+pub(crate) use lists::{Listed, Side, TriangleLists};
+pub(crate) use overlap::Overlap;
+pub(crate) use records::{Directions, Range, RayRecords};
 pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_left};
 pub(crate) use shells::Kernels;
 pub use slab::PADDING;

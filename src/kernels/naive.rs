@@ -1,68 +1,96 @@
 //! The naive step: every active ray against every triangle of the subproblem.
 
-use super::triangle::Prepared;
+use super::triangle::{CHUNK, Chunk, Corners};
 use super::{Item, List, Rays};
 use crate::geometry::Triangle;
-use crate::simd::{Lanes, load3};
+use crate::simd::{Lanes, MAX_LANES, load3};
+use glam::Vec3;
 
-/// Triangles whose constants are held ready at a time.
-const CHUNK: usize = 16;
+/// A vector of active rays.
+pub(crate) struct RayVector<L: Lanes> {
+    pub active: L::M,
+    pub inverse: [L::F; 3],
+    /// Meaningless where the origin is shared.
+    pub origin: [L::F; 3],
+    pub direction: [L::F; 3],
+    pub tmin: L::F,
+    /// Best t so far.
+    pub t: L::F,
+}
 
-/// Intersects a list of rays with triangles and keeps the least (t, prim) of each ray; an any-hit
-/// ray that hits gets t = −1, which ends every later test.
+/// A list of active rays, however it is stored.
 ///
 /// # Safety
-/// The processor has `L`'s instruction set; `rays` keeps its promises; `list` is a list of it; the
-/// items are of `triangles`.
+/// [`RayList::id`] gives numbers of rays of the batch, no two of them equal.
+pub(crate) unsafe trait RayList<L: Lanes>: Copy {
+    fn len(&self) -> usize;
+    fn shared_origin(&self) -> Option<Vec3>;
+    /// Best triangle so far by ray id; unused for any-hit rays.
+    fn prim(&self) -> *mut u32;
+
+    /// The vector from place `i` on.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `i` is a multiple of `L::N` below the length.
+    unsafe fn load<const SHARED: bool>(&self, i: usize) -> RayVector<L>;
+
+    /// The number of the ray at a place.
+    ///
+    /// # Safety
+    /// The place is below the length.
+    unsafe fn id(&self, i: usize) -> u32;
+
+    /// A new best t.
+    ///
+    /// # Safety
+    /// `id` is one of the list.
+    unsafe fn set_t(&self, id: u32, t: f32);
+}
+
+/// Triangles, however they are stored.
+pub(crate) trait TriangleList<L: Lanes> {
+    fn len(&self) -> usize;
+
+    /// Prepares the (up to [`CHUNK`]) triangles from place `from` on.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `from` is below the length.
+    unsafe fn prepare(&mut self, from: usize, chunk: &mut Chunk, shared_origin: Option<Vec3>);
+}
+
+/// Intersects a list of rays with triangles and keeps the least (t, prim) of each ray; an any-hit
+/// ray that hits gets t = −1, which ends every later test. Returns whether any ray has a new hit.
+///
+/// # Safety
+/// The processor has `L`'s instruction set, and both lists keep their promises.
 #[inline(always)]
 pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
-    rays: &Rays,
-    list: List,
-    triangles: &[Triangle],
-    items: &[Item],
-) {
-    let mut chunk = [Prepared::ZERO; CHUNK];
-    for items in items.chunks(CHUNK) {
-        for (prepared, item) in chunk.iter_mut().zip(items) {
-            let triangle = &triangles[item.prim() as usize];
-            *prepared = Prepared::new(triangle, item, rays.shared_origin);
-        }
-        let chunk = &chunk[..items.len()];
-        for i in (0..list.len).step_by(L::N) {
-            let (at, left) = (list.start + i, list.len - i);
-            // SAFETY: whole vectors within the streams, as in `filter`; ids are those of rays of
-            // the batch where `active` is set.
+    rays: impl RayList<L>,
+    mut triangles: impl TriangleList<L>,
+) -> bool {
+    let mut chunk = Chunk::ZERO;
+    let shared_origin = rays.shared_origin();
+    let mut found = false;
+    for from in (0..triangles.len()).step_by(CHUNK) {
+        let len = (triangles.len() - from).min(CHUNK);
+        // SAFETY: as promised, here and below.
+        unsafe { triangles.prepare(from, &mut chunk, shared_origin) };
+        for i in (0..rays.len()).step_by(L::N) {
             unsafe {
-                let s = &rays.active;
-                let active = L::first(left);
-                let id = L::load_u(s.id.add(at));
-                let inverse = load3::<L>(&s.inverse, at);
-                let origin = if SHARED {
-                    inverse
-                } else {
-                    load3::<L>(&s.origin, at)
-                };
-                // The rays of the vector after next; 5 to 10 % of the time of incoherent batches.
-                for lane in 0..L::N {
-                    let next = *s.id.add(at + 2 * L::N + lane) as usize;
-                    L::prefetch(rays.directions.wrapping_add(next).cast());
-                    L::prefetch(rays.t.wrapping_add(next));
-                }
-                // What stands behind the list are old ids, so there are directions for them too.
-                let [x, y, z, tmin] = L::gather4(rays.directions, s.id.add(at));
-                let direction = [x, y, z];
-                let mut t = L::gather(rays.t, id, active);
+                let v = rays.load::<SHARED>(i);
+                let mut t = v.t;
                 let mut prim = L::splat_u(0);
                 let mut changed = L::first(0);
-                for triangle in chunk {
-                    let (mut hit, t_hit) = triangle.intersect::<L, SHARED, SPECIAL>(
-                        &origin,
-                        &direction,
-                        &inverse,
-                        rays.shared_origin,
-                        tmin,
+                for j in 0..len {
+                    let (mut hit, t_hit) = chunk.intersect::<L, SHARED, SPECIAL>(
+                        j,
+                        &v.origin,
+                        &v.direction,
+                        &v.inverse,
+                        shared_origin,
+                        v.tmin,
                         t,
-                        active,
+                        v.active,
                     );
                     if L::bits(hit) == 0 {
                         continue;
@@ -70,12 +98,19 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                     if ANY {
                         t = L::select(hit, L::splat(-1.0), t);
                     } else {
-                        let new = L::splat_u(triangle.prim);
+                        let new = L::splat_u(chunk.prim[j]);
                         let tie = L::and(hit, L::eq(t_hit, t));
                         if L::bits(tie) != 0 {
                             // Of equal t the lowest prim wins; at t = tmax the old one is a miss's.
-                            let found_before = L::gather_u(rays.prim, id, L::and_not(tie, changed));
-                            let old = L::select_u(changed, prim, found_before);
+                            let mut before = [u32::MAX; MAX_LANES];
+                            let mut bits = L::bits(L::and_not(tie, changed));
+                            while bits != 0 {
+                                let lane = bits.trailing_zeros() as usize;
+                                bits &= bits - 1;
+                                before[lane] = *rays.prim().add(rays.id(i + lane) as usize);
+                            }
+                            let before = L::load_u(before.as_ptr());
+                            let old = L::select_u(changed, prim, before);
                             hit = L::and_not(hit, L::and_not(tie, L::lt_u(new, old)));
                         }
                         t = L::select(hit, t_hit, t);
@@ -85,21 +120,153 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                 }
                 let mut bits = L::bits(changed);
                 if bits != 0 {
-                    let mut lane_t = [0f32; crate::simd::MAX_LANES];
-                    let mut lane_prim = [0u32; crate::simd::MAX_LANES];
+                    found = true;
+                    let mut lane_t = [0f32; MAX_LANES];
+                    let mut lane_prim = [0u32; MAX_LANES];
                     L::store(lane_t.as_mut_ptr(), t);
                     L::store_u(lane_prim.as_mut_ptr(), prim);
                     while bits != 0 {
                         let lane = bits.trailing_zeros() as usize;
                         bits &= bits - 1;
-                        let ray = *s.id.add(at + lane) as usize;
-                        *rays.t.add(ray) = lane_t[lane];
+                        let id = rays.id(i + lane);
+                        rays.set_t(id, lane_t[lane]);
                         if !ANY {
-                            *rays.prim.add(ray) = lane_prim[lane];
+                            *rays.prim().add(id as usize) = lane_prim[lane];
                         }
                     }
                 }
             }
         }
+    }
+    found
+}
+
+/// A list of copied records.
+#[derive(Clone, Copy)]
+pub(crate) struct Copied<'a> {
+    pub rays: &'a Rays,
+    pub list: List,
+}
+
+// SAFETY: lists of active rays name rays of the batch, each once.
+unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.list.len
+    }
+
+    #[inline(always)]
+    fn shared_origin(&self) -> Option<Vec3> {
+        self.rays.shared_origin
+    }
+
+    #[inline(always)]
+    fn prim(&self) -> *mut u32 {
+        self.rays.prim
+    }
+
+    #[inline(always)]
+    unsafe fn load<const SHARED: bool>(&self, i: usize) -> RayVector<L> {
+        let (rays, s) = (self.rays, &self.rays.active);
+        let at = self.list.start + i;
+        // SAFETY: whole vectors within the streams, as in `filter`; ids are those of rays of the
+        // batch where `active` is set.
+        unsafe {
+            let active = L::first(self.list.len - i);
+            let id = L::load_u(s.id.add(at));
+            let inverse = load3::<L>(&s.inverse, at);
+            let origin = if SHARED {
+                inverse
+            } else {
+                load3::<L>(&s.origin, at)
+            };
+            // The rays of the vector after next; 5 to 10 % of the time of incoherent batches.
+            for lane in 0..L::N {
+                let next = *s.id.add(at + 2 * L::N + lane) as usize;
+                L::prefetch(rays.directions.wrapping_add(next).cast());
+                L::prefetch(rays.t.wrapping_add(next));
+            }
+            // What stands behind the list are old ids, so there are directions for them too.
+            let [x, y, z, tmin] = L::gather4(rays.directions, s.id.add(at));
+            RayVector {
+                active,
+                inverse,
+                origin,
+                direction: [x, y, z],
+                tmin,
+                t: L::gather(rays.t, id, active),
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn id(&self, i: usize) -> u32 {
+        // SAFETY: as promised.
+        unsafe { *self.rays.active.id.add(self.list.start + i) }
+    }
+
+    #[inline(always)]
+    unsafe fn set_t(&self, id: u32, t: f32) {
+        // SAFETY: as promised.
+        unsafe { *self.rays.t.add(id as usize) = t }
+    }
+}
+
+/// Items and the mesh that they are of.
+pub(crate) struct Items<'a> {
+    pub triangles: &'a [Triangle],
+    pub items: &'a [Item],
+}
+
+impl<L: Lanes> TriangleList<L> for Items<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    #[inline(always)]
+    unsafe fn prepare(&mut self, from: usize, chunk: &mut Chunk, shared_origin: Option<Vec3>) {
+        let items = &self.items[from..];
+        // Corners and box, one number a triangle.
+        let mut rows = [[0f32; CHUNK]; 15];
+        for (j, item) in items.iter().take(CHUNK).enumerate() {
+            let Triangle { a, b, c } = &self.triangles[item.prim() as usize];
+            let bounds = item.bounds();
+            for axis in 0..3 {
+                rows[axis][j] = a[axis];
+                rows[3 + axis][j] = b[axis];
+                rows[6 + axis][j] = c[axis];
+                rows[9 + axis][j] = bounds.min[axis];
+                rows[12 + axis][j] = bounds.max[axis];
+            }
+            chunk.prim[j] = item.prim();
+        }
+        for at in (0..items.len().min(CHUNK)).step_by(L::N) {
+            // SAFETY: as promised; rows are as long as a chunk.
+            unsafe {
+                let corners = Corners {
+                    a: row3::<L>(&rows, 0, at),
+                    b: row3::<L>(&rows, 3, at),
+                    c: row3::<L>(&rows, 6, at),
+                    lo: row3::<L>(&rows, 9, at),
+                    hi: row3::<L>(&rows, 12, at),
+                };
+                chunk.prepare::<L>(at, &corners, shared_origin);
+            }
+        }
+    }
+}
+
+/// # Safety
+/// The processor has `L`'s instruction set; whole vectors of three rows from `row` on.
+#[inline(always)]
+unsafe fn row3<L: Lanes>(rows: &[[f32; CHUNK]; 15], row: usize, at: usize) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        [
+            L::load(rows[row].as_ptr().add(at)),
+            L::load(rows[row + 1].as_ptr().add(at)),
+            L::load(rows[row + 2].as_ptr().add(at)),
+        ]
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct PreparedRays {
 /// # Safety
 /// As for [`prepare_rays`].
 #[inline(always)]
-unsafe fn valid<L: Lanes>(
+pub(super) unsafe fn valid<L: Lanes>(
     origin: &[L::F; 3],
     direction: &[L::F; 3],
     tmin: L::F,
@@ -48,7 +48,7 @@ unsafe fn valid<L: Lanes>(
 /// # Safety
 /// The processor has `L`'s instruction set; `at` is within the slice.
 #[inline(always)]
-unsafe fn load<L: Lanes>(from: &[f32], at: usize) -> L::F {
+pub(super) unsafe fn load<L: Lanes>(from: &[f32], at: usize) -> L::F {
     // SAFETY: the whole vector is within the slice, or a copy of its end is read.
     unsafe {
         if at + L::N <= from.len() {
@@ -66,7 +66,7 @@ unsafe fn load<L: Lanes>(from: &[f32], at: usize) -> L::F {
 /// # Safety
 /// As for [`load`].
 #[inline(always)]
-unsafe fn load3<L: Lanes>(from: &[Vec<f32>; 3], at: usize) -> [L::F; 3] {
+pub(super) unsafe fn load3<L: Lanes>(from: &[Vec<f32>; 3], at: usize) -> [L::F; 3] {
     // SAFETY: as promised.
     unsafe {
         [

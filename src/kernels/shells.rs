@@ -1,10 +1,15 @@
 //! One instance of every kernel for each instruction set, behind a table of functions.
 
 use super::bins::{self, BinBox, Binning, Bins, Item};
+use super::cone::{self, Cones, PreparedCones};
 use super::filter::{self, Keep};
+use super::lists::{self, Listed, PreparedLists, Side, TriangleLists};
+use super::naive::{self, Copied, Items};
+use super::overlap::{self, Overlap};
 use super::prepare::{self, PreparedRays};
+use super::records::{self, Directions, Indexed, PreparedRecords, Range, RayRecords};
 use super::sample::{Candidate, Draw, SampleCounts, Samples};
-use super::{List, Rays, naive};
+use super::{List, Rays};
 use crate::geometry::{Aabb, Mesh, Triangle};
 use crate::rays::Batch;
 #[cfg(target_arch = "x86_64")]
@@ -31,6 +36,16 @@ pub(crate) struct Kernels {
     pub filter: unsafe fn(&Rays, List, &Aabb, Keep) -> usize,
     pub count: unsafe fn(&Rays, List, &Aabb, usize) -> (usize, usize),
     pub naive: unsafe fn(&Rays, List, &[Triangle], &[Item]),
+    pub prepare_lists: unsafe fn(&Mesh, &TriangleLists) -> PreparedLists,
+    pub keep_side: unsafe fn(&TriangleLists, usize, Side) -> usize,
+    pub keep_overlapping: unsafe fn(&TriangleLists, usize, Overlap) -> usize,
+    pub prepare_records: unsafe fn(&Batch, &RayRecords) -> PreparedRecords,
+    pub keep_meeting: unsafe fn(&RayRecords, Range, &Aabb, Option<usize>) -> (usize, Directions),
+    pub keep_octant: unsafe fn(&RayRecords, Range, usize) -> usize,
+    pub keep_done: unsafe fn(&RayRecords, Range, &Aabb, bool) -> usize,
+    pub prepare_cones: unsafe fn(&Batch, &RayRecords, &Cones) -> PreparedCones,
+    pub keep_cones: unsafe fn(&Cones, Range, &Aabb, Vec3) -> usize,
+    pub naive_indexed: unsafe fn(&RayRecords, Range, Listed) -> bool,
 }
 
 impl Kernels {
@@ -85,6 +100,16 @@ macro_rules! shells {
                 filter,
                 count,
                 naive,
+                prepare_lists,
+                keep_side,
+                keep_overlapping,
+                prepare_records,
+                keep_meeting,
+                keep_octant,
+                keep_done,
+                prepare_cones,
+                keep_cones,
+                naive_indexed,
             };
 
             type L = $lanes;
@@ -176,13 +201,106 @@ macro_rules! shells {
 
             $(#[$feature])?
             unsafe fn naive(rays: &Rays, list: List, triangles: &[Triangle], items: &[Item]) {
+                let (list, triangles) = (Copied { rays, list }, Items { triangles, items });
                 by_batch!(rays, |SHARED, SPECIAL| {
                     // SAFETY: as above.
                     unsafe {
                         if rays.any_hit {
-                            naive::naive::<L, SHARED, SPECIAL, true>(rays, list, triangles, items)
+                            naive::naive::<L, SHARED, SPECIAL, true>(list, triangles)
                         } else {
-                            naive::naive::<L, SHARED, SPECIAL, false>(rays, list, triangles, items)
+                            naive::naive::<L, SHARED, SPECIAL, false>(list, triangles)
+                        }
+                    }
+                });
+            }
+
+            $(#[$feature])?
+            unsafe fn prepare_lists(mesh: &Mesh, lists: &TriangleLists) -> PreparedLists {
+                // SAFETY: as above.
+                unsafe { lists::prepare_lists(mesh, lists) }
+            }
+
+            $(#[$feature])?
+            unsafe fn keep_side(lists: &TriangleLists, len: usize, side: Side) -> usize {
+                // SAFETY: as above.
+                unsafe { lists::keep_side::<L>(lists, len, side) }
+            }
+
+            $(#[$feature])?
+            unsafe fn keep_overlapping(lists: &TriangleLists, len: usize, by: Overlap) -> usize {
+                // SAFETY: as above.
+                unsafe { overlap::keep_overlapping::<L>(lists, len, by) }
+            }
+
+            $(#[$feature])?
+            unsafe fn prepare_records(batch: &Batch, rays: &RayRecords) -> PreparedRecords {
+                // SAFETY: as above.
+                unsafe { records::prepare_records::<L>(batch, rays) }
+            }
+
+            $(#[$feature])?
+            unsafe fn keep_meeting(
+                rays: &RayRecords,
+                list: Range,
+                bounds: &Aabb,
+                axis: Option<usize>,
+            ) -> (usize, Directions) {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { records::keep_meeting::<L, SHARED, SPECIAL>(rays, list, bounds, axis) }
+                })
+            }
+
+            $(#[$feature])?
+            unsafe fn keep_octant(rays: &RayRecords, list: Range, octant: usize) -> usize {
+                // SAFETY: as above.
+                unsafe { records::keep_octant::<L>(rays, list, octant) }
+            }
+
+            $(#[$feature])?
+            unsafe fn keep_done(
+                rays: &RayRecords,
+                list: Range,
+                cell: &Aabb,
+                as_printed: bool,
+            ) -> usize {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { records::keep_done::<L, SHARED, SPECIAL>(rays, list, cell, as_printed) }
+                })
+            }
+
+            $(#[$feature])?
+            unsafe fn prepare_cones(
+                batch: &Batch,
+                rays: &RayRecords,
+                cones: &Cones,
+            ) -> PreparedCones {
+                // SAFETY: as above.
+                unsafe { cone::prepare_cones::<L>(batch, rays, cones) }
+            }
+
+            $(#[$feature])?
+            unsafe fn keep_cones(
+                cones: &Cones,
+                list: Range,
+                bounds: &Aabb,
+                origin: Vec3,
+            ) -> usize {
+                // SAFETY: as above.
+                unsafe { cone::keep_cones::<L>(cones, list, bounds, origin) }
+            }
+
+            $(#[$feature])?
+            unsafe fn naive_indexed(rays: &RayRecords, list: Range, triangles: Listed) -> bool {
+                let list = Indexed { rays, list };
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe {
+                        if rays.any_hit {
+                            naive::naive::<L, SHARED, SPECIAL, true>(list, triangles)
+                        } else {
+                            naive::naive::<L, SHARED, SPECIAL, false>(list, triangles)
                         }
                     }
                 })

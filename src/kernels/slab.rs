@@ -23,6 +23,8 @@ pub(crate) struct SlabBox<L: Lanes> {
     hi: [L::F; 3],
     /// Whether the shared origin is outside the slab of an axis.
     outside: [bool; 3],
+    /// Whether it is strictly inside.
+    within: [bool; 3],
 }
 
 impl<L: Lanes> SlabBox<L> {
@@ -34,12 +36,14 @@ impl<L: Lanes> SlabBox<L> {
         // x - 0 is x, so one expression serves both cases.
         let (lo, hi) = (b.min - o, b.max - o);
         let inside = b.min.cmple(o) & o.cmple(b.max);
+        let within = b.min.cmplt(o) & o.cmplt(b.max);
         // SAFETY: as promised.
         unsafe {
             SlabBox {
                 lo: [L::splat(lo.x), L::splat(lo.y), L::splat(lo.z)],
                 hi: [L::splat(hi.x), L::splat(hi.y), L::splat(hi.z)],
                 outside: [!inside.test(0), !inside.test(1), !inside.test(2)],
+                within: [within.test(0), within.test(1), within.test(2)],
             }
         }
     }
@@ -93,6 +97,44 @@ impl<L: Lanes> SlabBox<L> {
                 }
             }
             (L::mul(near, L::splat(SHRINK)), L::mul(far, L::splat(GROW)))
+        }
+    }
+
+    /// A t below which a ray is surely before everything that lies behind a plane of the box: a little
+    /// before the ray leaves the box. Negative infinity for a ray that has no direction on an axis on
+    /// which its origin is not strictly inside: the same is before and behind that plane.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set.
+    #[inline(always)]
+    pub unsafe fn sure_exit<const SHARED: bool, const SPECIAL: bool>(
+        &self,
+        inverse: &[L::F; 3],
+        origin: &[L::F; 3],
+    ) -> L::F {
+        // SAFETY: as promised.
+        unsafe {
+            let mut exit = L::splat(f32::INFINITY);
+            for axis in 0..3 {
+                let (mut lo, mut hi) = (self.lo[axis], self.hi[axis]);
+                if !SHARED {
+                    lo = L::sub(lo, origin[axis]);
+                    hi = L::sub(hi, origin[axis]);
+                }
+                let (t0, t1) = (L::mul(lo, inverse[axis]), L::mul(hi, inverse[axis]));
+                exit = L::min(L::max(t0, t1), exit);
+                if SPECIAL {
+                    let within = if SHARED {
+                        L::first(if self.within[axis] { L::N } else { 0 })
+                    } else {
+                        let o = origin[axis];
+                        L::and(L::lt(self.lo[axis], o), L::lt(o, self.hi[axis]))
+                    };
+                    let stays = L::and_not(L::is_nan(inverse[axis]), within);
+                    exit = L::select(stays, L::splat(f32::NEG_INFINITY), exit);
+                }
+            }
+            L::mul(exit, L::splat(SHRINK))
         }
     }
 }

@@ -8,79 +8,110 @@
 //! A batch that shares its origin has a kernel of record of its own: C is a constant of the
 //! triangle, and U = d·(e2 × C), V = d·(e1 × C) take one dot product each.
 
-use super::bins::Item;
 use super::slab::SlabBox;
-use crate::geometry::{Aabb, Triangle};
-use crate::simd::{Lanes, splat3};
+use crate::geometry::Aabb;
+use crate::simd::{Lanes, MAX_LANES};
 use glam::Vec3;
 
-/// What the kernel needs of a triangle.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub(crate) struct Prepared {
+/// Triangles of a chunk.
+pub(crate) const CHUNK: usize = MAX_LANES;
+
+/// One number a triangle.
+type Numbers = [f32; CHUNK];
+
+/// What the kernel needs of up to [`CHUNK`] triangles.
+#[repr(C, align(64))]
+pub(crate) struct Chunk {
     /// Unnormalised normal.
-    n: [f32; 3],
+    n: [Numbers; 3],
     /// Factor of U: e2, or e2 × C where the origin is shared.
-    u: [f32; 3],
+    u: [Numbers; 3],
     /// Factor of V: e1, or e1 × C.
-    v: [f32; 3],
+    v: [Numbers; 3],
     /// First corner; where the origin is shared, N·C in the first place.
-    a: [f32; 3],
-    bounds: Aabb,
-    pub prim: u32,
+    a: [Numbers; 3],
+    /// The boxes.
+    lo: [Numbers; 3],
+    hi: [Numbers; 3],
+    pub prim: [u32; CHUNK],
 }
 
-/// Cross product without fused operations: exactly zero for parallel edges of equal length.
-#[inline(always)]
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(
-        a.y * b.z - a.z * b.y,
-        a.z * b.x - a.x * b.z,
-        a.x * b.y - a.y * b.x,
-    )
+/// Triangles, a lane each: corners and box.
+pub(crate) struct Corners<L: Lanes> {
+    pub a: [L::F; 3],
+    pub b: [L::F; 3],
+    pub c: [L::F; 3],
+    pub lo: [L::F; 3],
+    pub hi: [L::F; 3],
 }
 
-impl Prepared {
-    pub const ZERO: Prepared = Prepared {
-        n: [0.0; 3],
-        u: [0.0; 3],
-        v: [0.0; 3],
-        a: [0.0; 3],
-        bounds: Aabb::EMPTY,
-        prim: 0,
+impl Chunk {
+    pub const ZERO: Chunk = Chunk {
+        n: [[0.0; CHUNK]; 3],
+        u: [[0.0; CHUNK]; 3],
+        v: [[0.0; CHUNK]; 3],
+        a: [[0.0; CHUNK]; 3],
+        lo: [[0.0; CHUNK]; 3],
+        hi: [[0.0; CHUNK]; 3],
+        prim: [0; CHUNK],
     };
 
-    /// Folds a shared origin in, if there is one.
+    /// Makes the constants of `L::N` triangles from place `at` on, folding a shared origin in if
+    /// there is one. Cross products are not fused: exactly zero for parallel edges of equal length.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `at` is a multiple of `L::N` below [`CHUNK`].
     #[inline(always)]
-    pub fn new(triangle: &Triangle, item: &Item, shared_origin: Option<Vec3>) -> Prepared {
-        let (e1, e2) = (triangle.a - triangle.b, triangle.c - triangle.a);
-        let n = cross(e2, e1);
-        let (u, v, a) = match shared_origin {
-            None => (e2, e1, triangle.a),
-            Some(o) => {
-                let c = triangle.a - o;
-                let nc = n.x * c.x + n.y * c.y + n.z * c.z;
-                (cross(e2, c), cross(e1, c), Vec3::splat(nc))
+    pub unsafe fn prepare<L: Lanes>(
+        &mut self,
+        at: usize,
+        corners: &Corners<L>,
+        shared_origin: Option<Vec3>,
+    ) {
+        // SAFETY: as promised.
+        unsafe {
+            let Corners { a, b, c, lo, hi } = corners;
+            let (e1, e2) = (sub3::<L>(a, b), sub3::<L>(c, a));
+            let n = cross3::<L>(&e2, &e1);
+            store3::<L>(&mut self.n, at, &n);
+            store3::<L>(&mut self.lo, at, lo);
+            store3::<L>(&mut self.hi, at, hi);
+            match shared_origin {
+                None => {
+                    store3::<L>(&mut self.u, at, &e2);
+                    store3::<L>(&mut self.v, at, &e1);
+                    store3::<L>(&mut self.a, at, a);
+                }
+                Some(o) => {
+                    let o = [L::splat(o.x), L::splat(o.y), L::splat(o.z)];
+                    let c = sub3::<L>(a, &o);
+                    store3::<L>(&mut self.u, at, &cross3::<L>(&e2, &c));
+                    store3::<L>(&mut self.v, at, &cross3::<L>(&e1, &c));
+                    let xy = L::add(L::mul(n[0], c[0]), L::mul(n[1], c[1]));
+                    let nc = L::add(xy, L::mul(n[2], c[2]));
+                    L::store(self.a[0].as_mut_ptr().add(at), nc);
+                }
             }
-        };
-        Prepared {
-            n: n.to_array(),
-            u: u.to_array(),
-            v: v.to_array(),
-            a: a.to_array(),
-            bounds: item.bounds(),
-            prim: item.prim(),
         }
     }
 
-    /// Lanes whose ray hits the triangle at `tmin < t <= tmax`, and their t.
+    fn bounds(&self, j: usize) -> Aabb {
+        let corner = |of: &[Numbers; 3]| Vec3::new(of[0][j], of[1][j], of[2][j]);
+        Aabb {
+            min: corner(&self.lo),
+            max: corner(&self.hi),
+        }
+    }
+
+    /// Lanes whose ray hits triangle `j` at `tmin < t <= tmax`, and their t.
     ///
     /// # Safety
-    /// The processor has `L`'s instruction set.
+    /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub unsafe fn intersect<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         &self,
+        j: usize,
         origin: &[L::F; 3],
         direction: &[L::F; 3],
         inverse: &[L::F; 3],
@@ -91,22 +122,18 @@ impl Prepared {
     ) -> (L::M, L::F) {
         // SAFETY: as promised.
         unsafe {
-            let n = splat3::<L>(&self.n);
+            let n = splat3::<L>(&self.n, j);
             let den = dot::<L>(&n, direction);
             let (u, v, numerator) = if SHARED {
-                let u = dot::<L>(&splat3::<L>(&self.u), direction);
-                let v = dot::<L>(&splat3::<L>(&self.v), direction);
-                (u, v, L::splat(self.a[0]))
+                let u = dot::<L>(&splat3::<L>(&self.u, j), direction);
+                let v = dot::<L>(&splat3::<L>(&self.v, j), direction);
+                (u, v, L::splat(*self.a[0].get_unchecked(j)))
             } else {
-                let a = splat3::<L>(&self.a);
-                let c = [
-                    L::sub(a[0], origin[0]),
-                    L::sub(a[1], origin[1]),
-                    L::sub(a[2], origin[2]),
-                ];
+                let a = splat3::<L>(&self.a, j);
+                let c = sub3::<L>(&a, origin);
                 let r = cross_lanes::<L>(&c, direction);
-                let u = dot::<L>(&splat3::<L>(&self.u), &r);
-                let v = dot::<L>(&splat3::<L>(&self.v), &r);
+                let u = dot::<L>(&splat3::<L>(&self.u, j), &r);
+                let v = dot::<L>(&splat3::<L>(&self.v, j), &r);
                 (u, v, dot::<L>(&n, &c))
             };
             let zero = L::splat(0.0);
@@ -127,7 +154,7 @@ impl Prepared {
             if L::bits(hit) == 0 {
                 return (hit, t);
             }
-            let slabs = SlabBox::<L>::new(&self.bounds, shared_origin);
+            let slabs = SlabBox::<L>::new(&self.bounds(j), shared_origin);
             let (near, far) = slabs.interval::<SHARED, SPECIAL>(inverse, origin, tmin);
             (L::and(hit, L::and(L::le(near, t), L::le(t, far))), t)
         }
@@ -135,9 +162,57 @@ impl Prepared {
 }
 
 /// # Safety
+/// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
+#[inline(always)]
+unsafe fn splat3<L: Lanes>(of: &[Numbers; 3], j: usize) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        [
+            L::splat(*of[0].get_unchecked(j)),
+            L::splat(*of[1].get_unchecked(j)),
+            L::splat(*of[2].get_unchecked(j)),
+        ]
+    }
+}
+
+/// # Safety
+/// As for [`Chunk::prepare`].
+#[inline(always)]
+unsafe fn store3<L: Lanes>(to: &mut [Numbers; 3], at: usize, v: &[L::F; 3]) {
+    for (to, &v) in to.iter_mut().zip(v) {
+        // SAFETY: as promised.
+        unsafe { L::store(to.as_mut_ptr().add(at), v) }
+    }
+}
+
+/// # Safety
 /// The processor has `L`'s instruction set.
 #[inline(always)]
-unsafe fn dot<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> L::F {
+pub(super) unsafe fn sub3<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
+}
+
+/// Cross product without fused operations.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(super) unsafe fn cross3<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        [
+            L::sub(L::mul(a[1], b[2]), L::mul(a[2], b[1])),
+            L::sub(L::mul(a[2], b[0]), L::mul(a[0], b[2])),
+            L::sub(L::mul(a[0], b[1]), L::mul(a[1], b[0])),
+        ]
+    }
+}
+
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(super) unsafe fn dot<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> L::F {
     // SAFETY: as promised.
     unsafe { L::mul_add(a[2], b[2], L::mul_add(a[1], b[1], L::mul(a[0], b[0]))) }
 }

@@ -39,6 +39,33 @@ unsafe fn pair(base: *const [f32; 4], index: *const u32) -> __m256 {
     }
 }
 
+/// The records of two floats of the indices at 0 and 1.
+///
+/// # Safety
+/// As for [`Lanes::gather2`].
+#[inline(always)]
+pub(super) unsafe fn two(base: *const [f32; 2], index: *const u32) -> __m128 {
+    // SAFETY: as promised.
+    unsafe {
+        let first = _mm_load_sd(base.add(*index as usize).cast());
+        let both = _mm_loadh_pd(first, base.add(*index.add(1) as usize).cast());
+        _mm_castpd_ps(both)
+    }
+}
+
+/// The records of two floats of the indices at 0 and 1, 4 and 5.
+///
+/// # Safety
+/// As for [`Lanes::gather2`].
+#[inline(always)]
+unsafe fn pairs(base: *const [f32; 2], index: *const u32) -> __m256 {
+    // SAFETY: as promised.
+    unsafe {
+        let v = _mm256_castps128_ps256(two(base, index));
+        _mm256_insertf128_ps::<1>(v, two(base, index.add(4)))
+    }
+}
+
 // SAFETY (whole file): the caller runs on a processor with AVX2 and FMA, and pointers are good for
 // the lanes that the trait's contract names.
 #[allow(clippy::undocumented_unsafe_blocks)]
@@ -88,6 +115,43 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    unsafe fn gather2(base: *const [f32; 2], index: *const u32) -> [__m256; 2] {
+        unsafe {
+            let (a, b) = (pairs(base, index), pairs(base, index.add(2)));
+            [
+                _mm256_shuffle_ps::<0b10_00_10_00>(a, b),
+                _mm256_shuffle_ps::<0b11_01_11_01>(a, b),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn store2(p: *mut [f32; 2], [a, b]: [__m256; 2]) {
+        unsafe {
+            let (lo, hi) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+            let p = p.cast::<f32>();
+            _mm256_storeu_ps(p, _mm256_permute2f128_ps::<0x20>(lo, hi));
+            _mm256_storeu_ps(p.add(N), _mm256_permute2f128_ps::<0x31>(lo, hi));
+        }
+    }
+    #[inline(always)]
+    unsafe fn store4(p: *mut [f32; 4], [x, y, z, w]: [__m256; 4]) {
+        unsafe {
+            let (xy_lo, xy_hi) = (_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
+            let (zw_lo, zw_hi) = (_mm256_unpacklo_ps(z, w), _mm256_unpackhi_ps(z, w));
+            // Records j and 4 + j.
+            let a = _mm256_shuffle_ps::<0b01_00_01_00>(xy_lo, zw_lo);
+            let b = _mm256_shuffle_ps::<0b11_10_11_10>(xy_lo, zw_lo);
+            let c = _mm256_shuffle_ps::<0b01_00_01_00>(xy_hi, zw_hi);
+            let d = _mm256_shuffle_ps::<0b11_10_11_10>(xy_hi, zw_hi);
+            let p = p.cast::<f32>();
+            _mm256_storeu_ps(p, _mm256_permute2f128_ps::<0x20>(a, b));
+            _mm256_storeu_ps(p.add(8), _mm256_permute2f128_ps::<0x20>(c, d));
+            _mm256_storeu_ps(p.add(16), _mm256_permute2f128_ps::<0x31>(a, b));
+            _mm256_storeu_ps(p.add(24), _mm256_permute2f128_ps::<0x31>(c, d));
+        }
+    }
+
+    #[inline(always)]
     unsafe fn prefetch(p: *const f32) {
         unsafe { _mm_prefetch::<_MM_HINT_T0>(p.cast()) }
     }
@@ -123,6 +187,10 @@ impl Lanes for Avx2 {
     #[inline(always)]
     unsafe fn max(a: __m256, b: __m256) -> __m256 {
         unsafe { _mm256_max_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn sqrt(a: __m256) -> __m256 {
+        unsafe { _mm256_sqrt_ps(a) }
     }
     #[inline(always)]
     unsafe fn abs(a: __m256) -> __m256 {
@@ -224,6 +292,26 @@ impl Lanes for Avx2 {
     #[inline(always)]
     unsafe fn select_u(m: __m256, yes: __m256i, no: __m256i) -> __m256i {
         unsafe { _mm256_blendv_epi8(no, yes, _mm256_castps_si256(m)) }
+    }
+
+    #[inline(always)]
+    unsafe fn or_u(a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_or_si256(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn common_bits(a: __m256i, b: __m256i) -> __m256 {
+        unsafe {
+            let none = _mm256_cmpeq_epi32(_mm256_and_si256(a, b), _mm256_setzero_si256());
+            _mm256_castsi256_ps(_mm256_xor_si256(none, _mm256_set1_epi32(-1)))
+        }
+    }
+    #[inline(always)]
+    unsafe fn to_bits(a: __m256) -> __m256i {
+        unsafe { _mm256_castps_si256(a) }
+    }
+    #[inline(always)]
+    unsafe fn from_bits(a: __m256i) -> __m256 {
+        unsafe { _mm256_castsi256_ps(a) }
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! Sixteen lanes: AVX-512 F, VL, DQ and BW.
 
 use super::Lanes;
+use super::avx2::two;
 use std::arch::x86_64::*;
 
 #[derive(Clone, Copy)]
@@ -20,6 +21,21 @@ unsafe fn quad(base: *const [f32; 4], index: *const u32) -> __m512 {
         let v = _mm512_insertf32x4::<1>(v, _mm_loadu_ps(base.add(*index.add(4) as usize).cast()));
         let v = _mm512_insertf32x4::<2>(v, _mm_loadu_ps(base.add(*index.add(8) as usize).cast()));
         _mm512_insertf32x4::<3>(v, _mm_loadu_ps(base.add(*index.add(12) as usize).cast()))
+    }
+}
+
+/// The records of the indices at 0 and 1, 4 and 5, 8 and 9, 12 and 13.
+///
+/// # Safety
+/// As for [`Lanes::gather2`].
+#[inline(always)]
+unsafe fn pairs(base: *const [f32; 2], index: *const u32) -> __m512 {
+    // SAFETY: as promised.
+    unsafe {
+        let v = _mm512_castps128_ps512(two(base, index));
+        let v = _mm512_insertf32x4::<1>(v, two(base, index.add(4)));
+        let v = _mm512_insertf32x4::<2>(v, two(base, index.add(8)));
+        _mm512_insertf32x4::<3>(v, two(base, index.add(12)))
     }
 }
 
@@ -73,6 +89,44 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    unsafe fn gather2(base: *const [f32; 2], index: *const u32) -> [__m512; 2] {
+        unsafe {
+            let (a, b) = (pairs(base, index), pairs(base, index.add(2)));
+            [
+                _mm512_shuffle_ps::<0b10_00_10_00>(a, b),
+                _mm512_shuffle_ps::<0b11_01_11_01>(a, b),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn store2(p: *mut [f32; 2], [a, b]: [__m512; 2]) {
+        unsafe {
+            let lo = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let hi = _mm512_add_epi32(lo, Self::splat_u(8));
+            _mm512_storeu_ps(p.cast(), _mm512_permutex2var_ps(a, lo, b));
+            _mm512_storeu_ps(p.cast::<f32>().add(N), _mm512_permutex2var_ps(a, hi, b));
+        }
+    }
+    #[inline(always)]
+    unsafe fn store4(p: *mut [f32; 4], [x, y, z, w]: [__m512; 4]) {
+        unsafe {
+            // Pairs of two vectors, then pairs of pairs: 64-bit lanes (x, y) and (z, w).
+            let lo = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let hi = _mm512_add_epi32(lo, Self::splat_u(8));
+            let first = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11);
+            let second = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
+            let p = p.cast::<f64>();
+            for (half, order) in [lo, hi].into_iter().enumerate() {
+                let xy = _mm512_castps_pd(_mm512_permutex2var_ps(x, order, y));
+                let zw = _mm512_castps_pd(_mm512_permutex2var_ps(z, order, w));
+                let at = p.add(16 * half);
+                _mm512_storeu_pd(at, _mm512_permutex2var_pd(xy, first, zw));
+                _mm512_storeu_pd(at.add(8), _mm512_permutex2var_pd(xy, second, zw));
+            }
+        }
+    }
+
+    #[inline(always)]
     unsafe fn prefetch(p: *const f32) {
         unsafe { _mm_prefetch::<_MM_HINT_T0>(p.cast()) }
     }
@@ -108,6 +162,10 @@ impl Lanes for Avx512 {
     #[inline(always)]
     unsafe fn max(a: __m512, b: __m512) -> __m512 {
         unsafe { _mm512_max_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn sqrt(a: __m512) -> __m512 {
+        unsafe { _mm512_sqrt_ps(a) }
     }
     #[inline(always)]
     unsafe fn abs(a: __m512) -> __m512 {
@@ -200,6 +258,23 @@ impl Lanes for Avx512 {
     #[inline(always)]
     unsafe fn select_u(m: __mmask16, yes: __m512i, no: __m512i) -> __m512i {
         unsafe { _mm512_mask_blend_epi32(m, no, yes) }
+    }
+
+    #[inline(always)]
+    unsafe fn or_u(a: __m512i, b: __m512i) -> __m512i {
+        unsafe { _mm512_or_si512(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn common_bits(a: __m512i, b: __m512i) -> __mmask16 {
+        unsafe { _mm512_test_epi32_mask(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn to_bits(a: __m512) -> __m512i {
+        unsafe { _mm512_castps_si512(a) }
+    }
+    #[inline(always)]
+    unsafe fn from_bits(a: __m512i) -> __m512 {
+        unsafe { _mm512_castsi512_ps(a) }
     }
 
     #[inline(always)]

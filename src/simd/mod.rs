@@ -45,6 +45,13 @@ pub(crate) trait Lanes: Copy {
     /// Four vectors from records of four floats: lane `i` of vector `k` is `base[index[i]][k]`, with
     /// `N` indices from memory.
     unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [Self::F; 4];
+    /// Two vectors from records of two floats: lane `i` of vector `k` is `base[index[i]][k]`, with `N`
+    /// indices from memory.
+    unsafe fn gather2(base: *const [f32; 2], index: *const u32) -> [Self::F; 2];
+    /// `N` records of two floats: the inverse of a [`Lanes::gather2`] in order.
+    unsafe fn store2(p: *mut [f32; 2], v: [Self::F; 2]);
+    /// `N` records of four floats: the inverse of a [`Lanes::gather4`] in order.
+    unsafe fn store4(p: *mut [f32; 4], v: [Self::F; 4]);
     /// Starts to bring a cache line near; the address may be any.
     unsafe fn prefetch(p: *const f32);
 
@@ -60,6 +67,7 @@ pub(crate) trait Lanes: Copy {
     unsafe fn min(a: Self::F, b: Self::F) -> Self::F;
     /// `if a > b { a } else { b }`: the second operand where one is NaN.
     unsafe fn max(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn sqrt(a: Self::F) -> Self::F;
     unsafe fn abs(a: Self::F) -> Self::F;
     /// `a` with its sign flipped where that of `s` is negative.
     unsafe fn flip_sign(a: Self::F, s: Self::F) -> Self::F;
@@ -92,6 +100,12 @@ pub(crate) trait Lanes: Copy {
     unsafe fn lt_u(a: Self::U, b: Self::U) -> Self::M;
     unsafe fn eq_u(a: Self::U, b: Self::U) -> Self::M;
     unsafe fn select_u(m: Self::M, yes: Self::U, no: Self::U) -> Self::U;
+    unsafe fn or_u(a: Self::U, b: Self::U) -> Self::U;
+    /// Lanes in which `a` and `b` have a bit in common.
+    unsafe fn common_bits(a: Self::U, b: Self::U) -> Self::M;
+    /// The bits of the floats, and back.
+    unsafe fn to_bits(a: Self::F) -> Self::U;
+    unsafe fn from_bits(a: Self::U) -> Self::F;
 
     /// `a = min(b, a)` of eight floats in memory, aligned to 32 bytes, by the rule of [`Lanes::min`].
     ///

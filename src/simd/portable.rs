@@ -50,6 +50,23 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    unsafe fn gather2(base: *const [f32; 2], index: *const u32) -> [Self::F; 2] {
+        from_fn(|k| from_fn(|i| unsafe { (*base.add(*index.add(i) as usize))[k] }))
+    }
+    #[inline(always)]
+    unsafe fn store2(p: *mut [f32; 2], v: [Self::F; 2]) {
+        for i in 0..N {
+            unsafe { p.add(i).write(from_fn(|k| v[k][i])) }
+        }
+    }
+    #[inline(always)]
+    unsafe fn store4(p: *mut [f32; 4], v: [Self::F; 4]) {
+        for i in 0..N {
+            unsafe { p.add(i).write(from_fn(|k| v[k][i])) }
+        }
+    }
+
+    #[inline(always)]
     unsafe fn prefetch(_: *const f32) {}
 
     #[inline(always)]
@@ -83,6 +100,10 @@ impl Lanes for Portable {
     #[inline(always)]
     unsafe fn max(a: Self::F, b: Self::F) -> Self::F {
         from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    unsafe fn sqrt(a: Self::F) -> Self::F {
+        a.map(f32::sqrt)
     }
     #[inline(always)]
     unsafe fn abs(a: Self::F) -> Self::F {
@@ -180,6 +201,23 @@ impl Lanes for Portable {
     #[inline(always)]
     unsafe fn select_u(m: Self::M, yes: Self::U, no: Self::U) -> Self::U {
         from_fn(|i| if m[i] { yes[i] } else { no[i] })
+    }
+
+    #[inline(always)]
+    unsafe fn or_u(a: Self::U, b: Self::U) -> Self::U {
+        from_fn(|i| a[i] | b[i])
+    }
+    #[inline(always)]
+    unsafe fn common_bits(a: Self::U, b: Self::U) -> Self::M {
+        from_fn(|i| a[i] & b[i] != 0)
+    }
+    #[inline(always)]
+    unsafe fn to_bits(a: Self::F) -> Self::U {
+        a.map(f32::to_bits)
+    }
+    #[inline(always)]
+    unsafe fn from_bits(a: Self::U) -> Self::F {
+        a.map(f32::from_bits)
     }
 
     #[inline(always)]

@@ -182,6 +182,9 @@ mod of {
             for_pairs(|a, s| {
                 let flipped = floats::<L>(L::flip_sign(load::<L>(a), load::<L>(s)));
                 let abs = floats::<L>(L::abs(load::<L>(a)));
+                let bits = integers::<L>(L::to_bits(load::<L>(a)));
+                let back = floats::<L>(L::from_bits(L::to_bits(load::<L>(a))));
+                let roots = floats::<L>(L::sqrt(load::<L>(a)));
                 for i in 0..L::N {
                     let expected = if s(i).is_sign_negative() { -a(i) } else { a(i) };
                     assert_eq!(
@@ -192,6 +195,9 @@ mod of {
                         s(i)
                     );
                     assert_eq!(abs[i].to_bits(), a(i).to_bits() & 0x7fff_ffff);
+                    assert_eq!(bits[i], a(i).to_bits());
+                    assert_eq!(back[i].to_bits(), a(i).to_bits());
+                    assert!(same(roots[i], a(i).sqrt()));
                 }
             });
         }
@@ -220,6 +226,10 @@ mod of {
                 let counted: Vec<u32> = (0..L::N as u32).map(|i| a.wrapping_add(i)).collect();
                 assert_eq!(integers::<L>(L::count_from(a)), counted);
                 assert_eq!(integers::<L>(va), vec![a; L::N]);
+                let either: Vec<u32> = (0..L::N).map(|i| a | b(i)).collect();
+                assert_eq!(integers::<L>(L::or_u(va, vb)), either);
+                let common = L::bits(L::common_bits(va, vb));
+                assert_eq!(common, lane_bits(L::N, |i| a & b(i) != 0));
             }
         }
     }
@@ -350,6 +360,30 @@ mod of {
             for (k, v) in quads.into_iter().enumerate() {
                 let expected: Vec<f32> = (0..L::N).map(|i| records[at(i) as usize][k]).collect();
                 assert_eq!(floats::<L>(v), expected);
+            }
+            let pairs: Vec<[f32; 2]> = records.iter().map(|r| [r[1], r[3]]).collect();
+            let gathered = L::gather2(pairs.as_ptr(), index.as_ptr());
+            for (k, v) in gathered.into_iter().enumerate() {
+                let expected: Vec<f32> = (0..L::N).map(|i| pairs[at(i) as usize][k]).collect();
+                assert_eq!(floats::<L>(v), expected);
+            }
+            let mut stored = [[GUARD; 4]; MAX_LANES + 1];
+            L::store4(stored.as_mut_ptr(), quads);
+            for (i, record) in stored.iter().enumerate() {
+                let expected = match i < L::N {
+                    true => records[at(i) as usize],
+                    false => [GUARD; 4],
+                };
+                assert_eq!(*record, expected);
+            }
+            let mut stored = [[GUARD; 2]; MAX_LANES + 1];
+            L::store2(stored.as_mut_ptr(), gathered);
+            for (i, record) in stored.iter().enumerate() {
+                let expected = match i < L::N {
+                    true => pairs[at(i) as usize],
+                    false => [GUARD; 2],
+                };
+                assert_eq!(*record, expected);
             }
         }
     }

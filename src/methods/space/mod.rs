@@ -1,6 +1,11 @@
 //! Space splitting: Mora 2011.
 
+mod cell;
+mod divide;
+mod growth;
 mod memory;
+mod octants;
+mod packets;
 mod parameters;
 mod trace;
 

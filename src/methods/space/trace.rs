@@ -1,21 +1,113 @@
-//! PLACEHOLDER, being written: traces by object splitting.
-use super::{Memory, SpaceParameters, Variant};
-use crate::methods::tracer::{Answer, Job, Trace};
-use crate::methods::{ObjectParameters, object};
+//! One trace: the first pass over rays and triangles, then the recursion.
 
+use super::cell::Cell;
+use super::divide::{Divide, Order, Part};
+use super::{Memory, SpaceParameters, Variant};
+use crate::kernels::{Directions, Range};
+use crate::methods::Counters;
+use crate::methods::tracer::{Answer, Job, OCCLUDED, Trace};
+use crate::rays::MISS;
+
+/// Traces a batch by splitting space.
 pub(in crate::methods) fn trace(
     job: &Job,
     parameters: &SpaceParameters,
     memory: &mut Memory,
-    answer: Answer,
+    mut answer: Answer,
 ) -> Trace {
-    let trace = object::trace(job, &ObjectParameters::AFRA2012, &mut memory.0, answer);
+    let (batch, kernels) = (job.batch, job.kernels);
     let variant = match job.shared_origin {
         Some(_) => parameters.variant,
         None => Variant::Random,
     };
+    let prim = match &mut answer {
+        Answer::Nearest(hits) => Some(hits.prim.as_mut_ptr()),
+        Answer::Any(_) => None,
+    };
+    let (lists, cones) = (memory.lists(), memory.cones());
+    let mut rays = memory.rays(job.shared_origin, prim);
+    // SAFETY: the processor was checked; the memory has room for batch and mesh.
+    let (of_rays, of_triangles) = unsafe {
+        (
+            (kernels.prepare_records)(batch, &rays),
+            (kernels.prepare_lists)(job.mesh, &lists),
+        )
+    };
+    rays.special = of_rays.special;
+    rays.least_tmin = of_rays.least_tmin;
+
+    let mut divide = Divide {
+        kernels,
+        parameters,
+        rays,
+        lists,
+        cones,
+        origins: of_rays.origins,
+        order: match (variant, parameters.octants) {
+            (Variant::Random, true) => Order::FromOctant(0),
+            (Variant::Random, false) => Order::Majority,
+            _ => Order::FromOrigin,
+        },
+        terminated: 0,
+        terminated_cones: 0,
+        counters: Counters::default(),
+    };
+    let all = Part {
+        rays: of_rays.valid,
+        triangles: of_triangles.len,
+        directions: Directions::default(),
+    };
+    if all.rays > 0 && all.triangles > 0 {
+        let root = Cell::root(of_triangles.bounds);
+        match variant {
+            Variant::Basic => divide.divide(&root, all),
+            Variant::Cones => {
+                // SAFETY: as above; the batch shares its origin.
+                let made = unsafe { (kernels.prepare_cones)(batch, &rays, &cones) };
+                let with = |rays| Part { rays, ..all };
+                if made.loose > 0 {
+                    divide.divide(&root, with(made.loose));
+                }
+                if made.cones > 0 {
+                    divide.divide_packets(&root, with(made.cones));
+                }
+            }
+            Variant::Random if parameters.octants => divide.divide_octants(&root, all),
+            Variant::Random => {
+                let list = Range {
+                    from: 0,
+                    to: all.rays,
+                };
+                let (rays, directions) = divide.filter_rays(&root, list);
+                if rays > 0 {
+                    let part = Part {
+                        rays,
+                        directions,
+                        ..all
+                    };
+                    divide.divide(&root, part);
+                }
+            }
+        }
+    }
+    let counters = divide.counters;
+    match answer {
+        Answer::Nearest(hits) => {
+            let hits = hits.t.iter_mut().zip(&hits.prim);
+            for ((t, &prim), best) in hits.zip(memory.best()) {
+                *t = if prim == MISS { f32::INFINITY } else { best };
+            }
+        }
+        Answer::Any(occluded) => {
+            for (occluded, best) in occluded.iter_mut().zip(memory.best()) {
+                *occluded = (best == OCCLUDED) as u8;
+            }
+        }
+    }
     Trace {
+        counters,
+        shared_origin: job.shared_origin.is_some(),
+        invalid_rays: (batch.len() - of_rays.valid) as u64,
         variant: Some(variant),
-        ..trace
     }
 }

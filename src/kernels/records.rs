@@ -1,0 +1,420 @@
+//! Rays by number: records that stay where they are, and an index list of the active ones (Mora 2011,
+//! section 3.2).
+
+use super::naive::{RayList, RayVector};
+use super::partition::{Test, partition};
+use super::prepare;
+use super::slab::SlabBox;
+use crate::geometry::Aabb;
+use crate::rays::{Batch, MISS};
+use crate::simd::{Lanes, MAX_LANES};
+use glam::Vec3;
+
+/// The rays of one trace. All pointers are good for every ray of the batch.
+#[derive(Clone, Copy)]
+pub(crate) struct RayRecords {
+    /// Inverse direction (NaN where that is not finite) and best t so far; at first `tmax`, and −1
+    /// for an occluded any-hit ray.
+    pub slabs: *mut [f32; 4],
+    /// Direction and tmin.
+    pub directions: *mut [f32; 4],
+    /// Origin; not written where the batch shares its origin.
+    pub origins: *mut [f32; 4],
+    /// Best triangle so far; unused for any-hit rays.
+    pub prim: *mut u32,
+    /// Indices of active rays, with whole vectors of valid indices behind their end.
+    pub ids: *mut u32,
+    /// The origin, if the batch has only one.
+    pub shared_origin: Option<Vec3>,
+    /// Whether some ray has an axis on which 1/d is not finite.
+    pub special: bool,
+    /// The least `tmin` of all valid rays.
+    pub least_tmin: f32,
+    /// Whether any hit will do.
+    pub any_hit: bool,
+}
+
+/// A range of the index list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Range {
+    pub from: usize,
+    pub to: usize,
+}
+
+impl Range {
+    pub fn len(self) -> usize {
+        self.to - self.from
+    }
+}
+
+/// What the pass over the rays found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PreparedRecords {
+    /// Valid rays.
+    pub valid: usize,
+    /// Whether a valid ray has an axis on which 1/d is not finite.
+    pub special: bool,
+    /// The least tmin of the valid rays.
+    pub least_tmin: f32,
+    /// The box around the origins of the valid rays.
+    pub origins: Aabb,
+}
+
+/// Writes the records of all rays, the index list of the valid ones in their order, and misses.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; the records have room for the batch, the index list for
+/// whole vectors behind it.
+#[inline(always)]
+pub(crate) unsafe fn prepare_records<L: Lanes>(
+    batch: &Batch,
+    rays: &RayRecords,
+) -> PreparedRecords {
+    // SAFETY: index places never pass ray places.
+    unsafe {
+        let one = L::splat(1.0);
+        let nan = L::splat(f32::NAN);
+        let infinity = L::splat(f32::INFINITY);
+        let mut least = [infinity; 4];
+        let mut greatest = [L::splat(f32::NEG_INFINITY); 3];
+        let mut special = L::first(0);
+        let mut n = 0;
+        for at in (0..batch.len()).step_by(L::N) {
+            let left = batch.len() - at;
+            let origin = prepare::load3::<L>(&batch.origin, at);
+            let direction = prepare::load3::<L>(&batch.direction, at);
+            let tmin = prepare::load::<L>(&batch.tmin, at);
+            let tmax = prepare::load::<L>(&batch.tmax, at);
+            let valid = prepare::valid::<L>(&origin, &direction, tmin, tmax);
+            let valid = L::and(valid, L::first(left));
+            least[3] = L::select(valid, L::min(tmin, least[3]), least[3]);
+            let mut inverse = direction;
+            for axis in 0..3 {
+                let o = origin[axis];
+                least[axis] = L::select(valid, L::min(o, least[axis]), least[axis]);
+                greatest[axis] = L::select(valid, L::max(o, greatest[axis]), greatest[axis]);
+                let x = L::div(one, direction[axis]);
+                let finite = L::lt(L::abs(x), infinity);
+                special = L::or(special, L::and_not(valid, finite));
+                inverse[axis] = L::select(finite, x, nan);
+            }
+            // An invalid ray's tmax may be the very mark of an occluded ray.
+            let best = L::select(valid, tmax, infinity);
+            let slab = [inverse[0], inverse[1], inverse[2], best];
+            let directed = [direction[0], direction[1], direction[2], tmin];
+            let placed = [origin[0], origin[1], origin[2], tmin];
+            if left >= L::N {
+                L::store4(rays.slabs.add(at), slab);
+                L::store4(rays.directions.add(at), directed);
+                if rays.shared_origin.is_none() {
+                    L::store4(rays.origins.add(at), placed);
+                }
+            } else {
+                store_first4::<L>(rays.slabs.add(at), slab, left);
+                store_first4::<L>(rays.directions.add(at), directed, left);
+                if rays.shared_origin.is_none() {
+                    store_first4::<L>(rays.origins.add(at), placed, left);
+                }
+            }
+            if !rays.any_hit {
+                L::store_first_u(rays.prim.add(at), L::splat_u(MISS), left.min(L::N));
+            }
+            // Lanes behind the batch name a ray, too: compressing may leave any lane behind the list.
+            let id = L::select_u(
+                L::first(left),
+                L::count_from(at as u32),
+                L::splat_u(at as u32),
+            );
+            L::store_u(rays.ids.add(n), L::compress_u(valid, id));
+            n += L::bits(valid).count_ones() as usize;
+        }
+        PreparedRecords {
+            valid: n,
+            special: L::bits(special) != 0,
+            least_tmin: least_of::<L>(least[3]),
+            origins: Aabb {
+                min: Vec3::new(
+                    least_of::<L>(least[0]),
+                    least_of::<L>(least[1]),
+                    least_of::<L>(least[2]),
+                ),
+                max: -Vec3::new(
+                    least_of::<L>(L::sub(L::splat(0.0), greatest[0])),
+                    least_of::<L>(L::sub(L::splat(0.0), greatest[1])),
+                    least_of::<L>(L::sub(L::splat(0.0), greatest[2])),
+                ),
+            },
+        }
+    }
+}
+
+/// # Safety
+/// The processor has `L`'s instruction set; room for `n` records, fewer than `L::N`.
+#[inline(always)]
+unsafe fn store_first4<L: Lanes>(p: *mut [f32; 4], v: [L::F; 4], n: usize) {
+    let mut records = [[0f32; 4]; MAX_LANES];
+    // SAFETY: as promised.
+    unsafe {
+        L::store4(records.as_mut_ptr(), v);
+        std::ptr::copy_nonoverlapping(records.as_ptr(), p, n);
+    }
+}
+
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+unsafe fn least_of<L: Lanes>(v: L::F) -> f32 {
+    let mut lanes = [f32::INFINITY; MAX_LANES];
+    // SAFETY: as promised.
+    unsafe { L::store(lanes.as_mut_ptr(), v) };
+    lanes
+        .into_iter()
+        .fold(f32::INFINITY, |a, b| if b < a { b } else { a })
+}
+
+/// How many rays of a list go up an axis, and how many go down; the rest does neither.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Directions {
+    pub up: usize,
+    pub down: usize,
+}
+
+/// Rays that meet a box no further away than their best hit.
+struct Meets<'a, L: Lanes, const SHARED: bool, const SPECIAL: bool> {
+    rays: &'a RayRecords,
+    slabs: SlabBox<L>,
+    /// Of the rays that pass, the directions on this axis are counted.
+    axis: Option<usize>,
+    directions: Directions,
+}
+
+impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Meets<'_, L, SHARED, SPECIAL> {
+    #[inline(always)]
+    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
+        // SAFETY: as promised.
+        unsafe {
+            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
+            let inverse = [x, y, z];
+            let origin = if SHARED {
+                inverse
+            } else {
+                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
+                [x, y, z]
+            };
+            let tmin = L::splat(self.rays.least_tmin);
+            let (near, far) = (self.slabs).interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
+            let meets = L::and(L::le(near, far), L::le(near, t));
+            let passed = L::and(meets, active);
+            if let Some(axis) = self.axis {
+                let zero = L::splat(0.0);
+                let up = L::and(passed, L::lt(zero, inverse[axis]));
+                let down = L::and(passed, L::lt(inverse[axis], zero));
+                self.directions.up += L::bits(up).count_ones() as usize;
+                self.directions.down += L::bits(down).count_ones() as usize;
+            }
+            passed
+        }
+    }
+}
+
+/// Moves the rays of a list that meet a box no further away than their best hit to its front; returns
+/// how many do, and where they go on an axis, if there is one to be counted.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; the records are those of the batch.
+#[inline(always)]
+pub(crate) unsafe fn keep_meeting<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
+    rays: &RayRecords,
+    list: Range,
+    bounds: &Aabb,
+    axis: Option<usize>,
+) -> (usize, Directions) {
+    // SAFETY: as promised.
+    unsafe {
+        let mut test = Meets::<L, SHARED, SPECIAL> {
+            rays,
+            slabs: SlabBox::new(bounds, rays.shared_origin),
+            axis,
+            directions: Directions::default(),
+        };
+        let n = partition::<L, _>(rays.ids.add(list.from), list.len(), &mut test);
+        (n, test.directions)
+    }
+}
+
+/// Rays that are done once the triangles of a cell have been intersected, because every cell behind
+/// it will turn them away: their best t is before its exit.
+///
+/// A cell that comes later is behind a plane that this one is before, so the ray enters it, as
+/// computed, no sooner than it leaves this one: slabs are monotone in the planes. Rays without a
+/// direction on an axis are not before or behind a plane across it; they are done only if their origin
+/// is strictly between this cell's.
+struct Done<'a, L: Lanes, const SHARED: bool, const SPECIAL: bool> {
+    rays: &'a RayRecords,
+    slabs: SlabBox<L>,
+}
+
+impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Done<'_, L, SHARED, SPECIAL> {
+    #[inline(always)]
+    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
+        // SAFETY: as promised.
+        unsafe {
+            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
+            let inverse = [x, y, z];
+            let origin = if SHARED {
+                inverse
+            } else {
+                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
+                [x, y, z]
+            };
+            let exit = self.slabs.sure_exit::<SHARED, SPECIAL>(&inverse, &origin);
+            // An occluded ray's t is negative.
+            let before = L::lt(t, L::max(exit, L::splat(0.0)));
+            L::and(before, active)
+        }
+    }
+}
+
+/// Rays that have hit anything, wherever: those that section 3.2 ends, as it is printed.
+struct DoneAsPrinted<'a> {
+    rays: &'a RayRecords,
+}
+
+impl<L: Lanes> Test<L> for DoneAsPrinted<'_> {
+    #[inline(always)]
+    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
+        // SAFETY: as promised.
+        unsafe {
+            if self.rays.any_hit {
+                let [.., t] = L::gather4(self.rays.slabs, ids);
+                L::and(active, L::lt(t, L::splat(0.0)))
+            } else {
+                let prim = L::gather_u(self.rays.prim, L::load_u(ids), active);
+                L::and_not(active, L::eq_u(prim, L::splat_u(MISS)))
+            }
+        }
+    }
+}
+
+/// Moves the rays of a list that are done, now that the triangles of a cell have been intersected, to
+/// its front; returns how many are.
+///
+/// # Safety
+/// As for [`keep_meeting`].
+#[inline(always)]
+pub(crate) unsafe fn keep_done<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
+    rays: &RayRecords,
+    list: Range,
+    cell: &Aabb,
+    as_printed: bool,
+) -> usize {
+    // SAFETY: as promised.
+    unsafe {
+        let ids = rays.ids.add(list.from);
+        if as_printed {
+            return partition::<L, _>(ids, list.len(), &mut DoneAsPrinted { rays });
+        }
+        let slabs = SlabBox::new(cell, rays.shared_origin);
+        let mut test = Done::<L, SHARED, SPECIAL> { rays, slabs };
+        partition::<L, _>(ids, list.len(), &mut test)
+    }
+}
+
+/// Rays of an octant of directions.
+struct InOctant<'a> {
+    rays: &'a RayRecords,
+    octant: usize,
+}
+
+impl<L: Lanes> Test<L> for InOctant<'_> {
+    #[inline(always)]
+    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
+        // SAFETY: as promised.
+        unsafe {
+            let [x, y, z, _] = L::gather4(self.rays.slabs, ids);
+            let mut inside = active;
+            for (axis, inverse) in [x, y, z].into_iter().enumerate() {
+                let down = L::lt(inverse, L::splat(0.0));
+                inside = match self.octant >> axis & 1 {
+                    0 => L::and_not(inside, down),
+                    _ => L::and(inside, down),
+                };
+            }
+            inside
+        }
+    }
+}
+
+/// Moves the rays of a list that belong to an octant of directions to its front; returns how many do.
+/// A ray goes down the axes whose bits are set, and up the others, or along none of them.
+///
+/// # Safety
+/// As for [`keep_meeting`].
+#[inline(always)]
+pub(crate) unsafe fn keep_octant<L: Lanes>(rays: &RayRecords, list: Range, octant: usize) -> usize {
+    let mut test = InOctant { rays, octant };
+    // SAFETY: as promised.
+    unsafe { partition::<L, _>(rays.ids.add(list.from), list.len(), &mut test) }
+}
+
+/// A range of the index list as the naive step takes it.
+#[derive(Clone, Copy)]
+pub(crate) struct Indexed<'a> {
+    pub rays: &'a RayRecords,
+    pub list: Range,
+}
+
+// SAFETY: an index list names rays of the batch, each once.
+unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    #[inline(always)]
+    fn shared_origin(&self) -> Option<Vec3> {
+        self.rays.shared_origin
+    }
+
+    #[inline(always)]
+    fn prim(&self) -> *mut u32 {
+        self.rays.prim
+    }
+
+    #[inline(always)]
+    unsafe fn load<const SHARED: bool>(&self, i: usize) -> RayVector<L> {
+        // SAFETY: as promised; behind a list there are valid indices, too.
+        unsafe {
+            let ids = self.rays.ids.add(self.list.from + i);
+            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
+            let inverse = [x, y, z];
+            let origin = if SHARED {
+                inverse
+            } else {
+                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
+                [x, y, z]
+            };
+            let [x, y, z, tmin] = L::gather4(self.rays.directions, ids);
+            RayVector {
+                active: L::first(self.list.len() - i),
+                inverse,
+                origin,
+                direction: [x, y, z],
+                tmin,
+                t,
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn id(&self, i: usize) -> u32 {
+        // SAFETY: as promised.
+        unsafe { *self.rays.ids.add(self.list.from + i) }
+    }
+
+    #[inline(always)]
+    unsafe fn set_t(&self, id: u32, t: f32) {
+        // SAFETY: as promised.
+        unsafe { (*self.rays.slabs.add(id as usize))[3] = t }
+    }
+}

@@ -1,0 +1,162 @@
+//! Divide-and-conquer ray tracing: Algorithm 1 of Mora 2011.
+
+use super::SpaceParameters;
+use super::cell::{Cell, Split};
+use crate::geometry::Aabb;
+use crate::kernels::{
+    Cones, Directions, Kernels, Listed, Overlap, Range, RayRecords, Side, TriangleLists,
+};
+use crate::methods::Counters;
+
+/// One trace under way.
+///
+/// A subproblem's triangles are the first ones of the index list, up to its triangle pivot; its rays
+/// are those from the terminated-ray pivot, which all subproblems share, to its ray pivot (Fig. 2).
+pub(super) struct Divide<'a> {
+    pub kernels: &'a Kernels,
+    pub parameters: &'a SpaceParameters,
+    pub rays: RayRecords,
+    pub lists: TriangleLists,
+    pub cones: Cones,
+    /// The box around all origins.
+    pub origins: Aabb,
+    /// Which half of a cell comes first.
+    pub order: Order,
+    /// terminatedRayPivot: rays before it are done.
+    pub terminated: usize,
+    /// terminatedConePivot.
+    pub terminated_cones: usize,
+    pub counters: Counters,
+}
+
+/// Which half of a cell comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Order {
+    /// The one that the origin is on (section 3.2).
+    FromOrigin,
+    /// The one where rays of an octant of directions come from; bits are set for the axes that they
+    /// go down (section 3.4).
+    FromOctant(usize),
+    /// The one where most of the rays come from (section 3.4, after Reshetov 2006): hits are kept by t.
+    Majority,
+}
+
+/// What of a subproblem is in a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// The pivot of rays, or of cones.
+    pub rays: usize,
+    pub triangles: usize,
+    pub directions: Directions,
+}
+
+impl Divide<'_> {
+    /// Algorithm 1.
+    pub fn divide(&mut self, cell: &Cell, part: Part) {
+        self.counters.nodes += 1;
+        let few = part.rays - self.terminated < self.parameters.ray_limit as usize
+            || part.triangles < self.parameters.triangle_limit as usize;
+        let split = if few {
+            None
+        } else {
+            cell.split(self, part.triangles)
+        };
+        let Some(split) = split else {
+            return self.naive(cell, part);
+        };
+        let mut first_share = None;
+        for side in self.sides(split, part.directions) {
+            let all = Range {
+                from: self.terminated,
+                to: part.rays,
+            };
+            if let Some((half, inside)) =
+                self.enter(cell, side, part, all, Divide::filter, &mut first_share)
+            {
+                self.divide(&half, inside);
+            }
+        }
+    }
+
+    /// Both sides of a split, the first one first.
+    pub fn sides(&self, split: Split, directions: Directions) -> [Side; 2] {
+        let Split { axis, plane } = split;
+        let upper_first = match self.order {
+            Order::FromOrigin => plane < self.origins.min[axis],
+            Order::FromOctant(down) => down >> axis & 1 == 1,
+            Order::Majority => directions.down > directions.up,
+        };
+        [upper_first, !upper_first].map(|upper| Side { axis, plane, upper })
+    }
+
+    /// R ∩ E and P ∩ E, for a half E on one side of its cell: rays first, for without any there is no
+    /// need to look at the triangles.
+    fn filter(&mut self, half: &Cell, side: Side, part: Part) -> Part {
+        let list = Range {
+            from: self.terminated,
+            to: part.rays,
+        };
+        let (rays, directions) = self.filter_rays(half, list);
+        let triangles = match rays {
+            0 => 0,
+            _ => self.filter_triangles(half, side, part.triangles),
+        };
+        Part {
+            rays: list.from + rays,
+            triangles,
+            directions,
+        }
+    }
+
+    /// The number of rays that meet a cell, which come first in the list from now on; and, where that
+    /// decides the order, where they go on the axis across which it will be split.
+    pub fn filter_rays(&mut self, cell: &Cell, list: Range) -> (usize, Directions) {
+        self.counters.ray_box += list.len() as u64;
+        let axis = (self.order == Order::Majority).then(|| cell.longest_axis());
+        // SAFETY: the processor was checked, the list is one of rays of the batch.
+        unsafe { (self.kernels.keep_meeting)(&self.rays, list, &cell.bounds, axis) }
+    }
+
+    /// The number of triangles that reach into a half, which come first in the list from now on
+    /// (section 3.5).
+    pub fn filter_triangles(&mut self, half: &Cell, side: Side, triangles: usize) -> usize {
+        self.counters.triangle_box += triangles as u64;
+        if triangles >= self.parameters.nine_axes_below as usize {
+            // SAFETY: the processor was checked, the list is one of triangles of the mesh.
+            return unsafe { (self.kernels.keep_side)(&self.lists, triangles, side) };
+        }
+        let by = Overlap {
+            cell: half.bounds,
+            side,
+            origins: self.origins,
+            plane: self.parameters.plane_test,
+        };
+        // SAFETY: as above.
+        unsafe { (self.kernels.keep_overlapping)(&self.lists, triangles, by) }
+    }
+
+    /// NaiveRT, and early ray termination.
+    fn naive(&mut self, cell: &Cell, part: Part) {
+        let list = Range {
+            from: self.terminated,
+            to: part.rays,
+        };
+        self.counters.leaves += 1;
+        self.counters.ray_triangle += (list.len() * part.triangles) as u64;
+        let triangles = Listed {
+            lists: &self.lists,
+            len: part.triangles,
+            duplicates: &mut self.counters.duplicates,
+        };
+        // SAFETY: the processor was checked, lists are those of batch and mesh.
+        unsafe { (self.kernels.naive_indexed)(&self.rays, list, triangles) };
+        if self.order != Order::Majority {
+            let as_printed = self.parameters.terminate_as_printed;
+            // SAFETY: as above.
+            let done =
+                unsafe { (self.kernels.keep_done)(&self.rays, list, &cell.bounds, as_printed) };
+            self.terminated += done;
+            self.counters.terminated_rays += done as u64;
+        }
+    }
+}
