@@ -59,7 +59,7 @@ impl Row {
 /// The column heads, to be printed once.
 pub fn heads() -> String {
     format!(
-        "{:<17}{:<18}{:<16}{:>7} {:<18}{:>12}{:>11}\n{:<58} {:<18}{:>6}{:>6}{:>11}\n{}\n",
+        "{:<17}{:<18}{:<15}{:>7}  {:<18}{:>12}{:>11}\n{:<57}  {:<18}{:>6}{:>6}{:>11}\n{}\n",
         "scene",
         "rays",
         "method",
@@ -97,7 +97,7 @@ pub fn section(scene: &str, rays: &str, rows: &[Row]) -> String {
         let acceleration = row.acceleration.map_or("-".into(), interval);
         let diff = part(row.unexplained, row.differing);
         text += &format!(
-            "{scene:<17}{rays:<18}{:<16}{:>7} {acceleration:<18}{:>6}{:>6}{diff:>11}",
+            "{scene:<17}{rays:<18}{:<15}{:>7}  {acceleration:<18}{:>6}{:>6}{diff:>11}",
             row.method,
             if row.wrong {
                 "WRONG".into()
@@ -141,7 +141,7 @@ impl Means {
                 number(geometric_mean(&values))
             };
             text += &format!(
-                "{:<17}{rays:<18}{:<16}{:>7} {:<18}{:>6}{:>6}\n",
+                "{:<17}{rays:<18}{:<15}{:>7}  {:<18}{:>6}{:>6}\n",
                 format!("{} cells", rows.len()),
                 rows[0].method,
                 mean(|r| r.mrays_per_s),
