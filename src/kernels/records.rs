@@ -16,12 +16,12 @@ pub(crate) struct RayRecords {
     /// Inverse direction (NaN where that is not finite) and best t so far; at first `tmax`, and −1
     /// for an occluded any-hit ray.
     pub slabs: *mut [f32; 4],
-    /// Direction and tmin.
+    /// Direction, and the bits of the best triangle so far (unused for any-hit rays).
     pub directions: *mut [f32; 4],
     /// Origin; not written where the batch shares its origin.
     pub origins: *mut [f32; 4],
-    /// Best triangle so far; unused for any-hit rays.
-    pub prim: *mut u32,
+    /// tmin of each ray, if they are not all the same.
+    pub tmin: *const f32,
     /// Indices of active rays, with whole vectors of valid indices behind their end.
     pub ids: *mut u32,
     /// The origin, if the batch has only one.
@@ -30,6 +30,8 @@ pub(crate) struct RayRecords {
     pub special: bool,
     /// The least `tmin` of all valid rays.
     pub least_tmin: f32,
+    /// Whether that is the tmin of all of them.
+    pub one_tmin: bool,
     /// Whether any hit will do.
     pub any_hit: bool,
 }
@@ -56,6 +58,8 @@ pub(crate) struct PreparedRecords {
     pub special: bool,
     /// The least tmin of the valid rays.
     pub least_tmin: f32,
+    /// Whether all of them have that one.
+    pub one_tmin: bool,
     /// The box around the origins of the valid rays.
     pub origins: Aabb,
 }
@@ -76,7 +80,7 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
         let nan = L::splat(f32::NAN);
         let infinity = L::splat(f32::INFINITY);
         let mut least = [infinity; 4];
-        let mut greatest = [L::splat(f32::NEG_INFINITY); 3];
+        let mut greatest = [L::splat(f32::NEG_INFINITY); 4];
         let mut special = L::first(0);
         let mut n = 0;
         for at in (0..batch.len()).step_by(L::N) {
@@ -88,6 +92,7 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             let valid = prepare::valid::<L>(&origin, &direction, tmin, tmax);
             let valid = L::and(valid, L::first(left));
             least[3] = L::select(valid, L::min(tmin, least[3]), least[3]);
+            greatest[3] = L::select(valid, L::max(tmin, greatest[3]), greatest[3]);
             let mut inverse = direction;
             for axis in 0..3 {
                 let o = origin[axis];
@@ -101,7 +106,8 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             // An invalid ray's tmax may be the very mark of an occluded ray.
             let best = L::select(valid, tmax, infinity);
             let slab = [inverse[0], inverse[1], inverse[2], best];
-            let directed = [direction[0], direction[1], direction[2], tmin];
+            let miss = L::from_bits(L::splat_u(MISS));
+            let directed = [direction[0], direction[1], direction[2], miss];
             let placed = [origin[0], origin[1], origin[2], tmin];
             if left >= L::N {
                 L::store4(rays.slabs.add(at), slab);
@@ -116,9 +122,6 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
                     store_first4::<L>(rays.origins.add(at), placed, left);
                 }
             }
-            if !rays.any_hit {
-                L::store_first_u(rays.prim.add(at), L::splat_u(MISS), left.min(L::N));
-            }
             // Lanes behind the batch name a ray, too: compressing may leave any lane behind the list.
             let id = L::select_u(
                 L::first(left),
@@ -128,10 +131,12 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             L::store_u(rays.ids.add(n), L::compress_u(valid, id));
             n += L::bits(valid).count_ones() as usize;
         }
+        let least_tmin = least_of::<L>(least[3]);
         PreparedRecords {
             valid: n,
             special: L::bits(special) != 0,
-            least_tmin: least_of::<L>(least[3]),
+            least_tmin,
+            one_tmin: least_tmin == -least_of::<L>(L::sub(L::splat(0.0), greatest[3])),
             origins: Aabb {
                 min: Vec3::new(
                     least_of::<L>(least[0]),
@@ -242,84 +247,6 @@ pub(crate) unsafe fn keep_meeting<L: Lanes, const SHARED: bool, const SPECIAL: b
     }
 }
 
-/// Rays that are done once the triangles of a cell have been intersected, because every cell behind
-/// it will turn them away: their best t is before its exit.
-///
-/// A cell that comes later is behind a plane that this one is before, so the ray enters it, as
-/// computed, no sooner than it leaves this one: slabs are monotone in the planes. Rays without a
-/// direction on an axis are not before or behind a plane across it; they are done only if their origin
-/// is strictly between this cell's.
-struct Done<'a, L: Lanes, const SHARED: bool, const SPECIAL: bool> {
-    rays: &'a RayRecords,
-    slabs: SlabBox<L>,
-}
-
-impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Done<'_, L, SHARED, SPECIAL> {
-    #[inline(always)]
-    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
-        // SAFETY: as promised.
-        unsafe {
-            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
-            let inverse = [x, y, z];
-            let origin = if SHARED {
-                inverse
-            } else {
-                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
-                [x, y, z]
-            };
-            let exit = self.slabs.sure_exit::<SHARED, SPECIAL>(&inverse, &origin);
-            // An occluded ray's t is negative.
-            let before = L::lt(t, L::max(exit, L::splat(0.0)));
-            L::and(before, active)
-        }
-    }
-}
-
-/// Rays that have hit anything, wherever: those that section 3.2 ends, as it is printed.
-struct DoneAsPrinted<'a> {
-    rays: &'a RayRecords,
-}
-
-impl<L: Lanes> Test<L> for DoneAsPrinted<'_> {
-    #[inline(always)]
-    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
-        // SAFETY: as promised.
-        unsafe {
-            if self.rays.any_hit {
-                let [.., t] = L::gather4(self.rays.slabs, ids);
-                L::and(active, L::lt(t, L::splat(0.0)))
-            } else {
-                let prim = L::gather_u(self.rays.prim, L::load_u(ids), active);
-                L::and_not(active, L::eq_u(prim, L::splat_u(MISS)))
-            }
-        }
-    }
-}
-
-/// Moves the rays of a list that are done, now that the triangles of a cell have been intersected, to
-/// its front; returns how many are.
-///
-/// # Safety
-/// As for [`keep_meeting`].
-#[inline(always)]
-pub(crate) unsafe fn keep_done<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
-    rays: &RayRecords,
-    list: Range,
-    cell: &Aabb,
-    as_printed: bool,
-) -> usize {
-    // SAFETY: as promised.
-    unsafe {
-        let ids = rays.ids.add(list.from);
-        if as_printed {
-            return partition::<L, _>(ids, list.len(), &mut DoneAsPrinted { rays });
-        }
-        let slabs = SlabBox::new(cell, rays.shared_origin);
-        let mut test = Done::<L, SHARED, SPECIAL> { rays, slabs };
-        partition::<L, _>(ids, list.len(), &mut test)
-    }
-}
-
 /// Rays of an octant of directions.
 struct InOctant<'a> {
     rays: &'a RayRecords,
@@ -357,15 +284,51 @@ pub(crate) unsafe fn keep_octant<L: Lanes>(rays: &RayRecords, list: Range, octan
     unsafe { partition::<L, _>(rays.ids.add(list.from), list.len(), &mut test) }
 }
 
-/// A range of the index list as the naive step takes it.
-#[derive(Clone, Copy)]
-pub(crate) struct Indexed<'a> {
-    pub rays: &'a RayRecords,
-    pub list: Range,
+/// When rays are done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Done {
+    /// Not before the end.
+    Never,
+    /// Once every cell that comes later will turn them away, because their best t is before the exit
+    /// of the cell whose triangles they have met.
+    ///
+    /// A later cell is behind a plane that this one is before, so a ray enters it, as computed, no
+    /// sooner than it leaves this one: slabs are monotone in their planes. A ray without a direction on
+    /// an axis is not before or behind a plane across it; it is done only if its origin is
+    /// strictly between this cell's.
+    BeforeExit,
+    /// Once they have hit anything, wherever: as section 3.2 prints it.
+    Hit,
+}
+
+/// A range of the index list as the naive step takes it. Rays that are done come first when it is over.
+pub(crate) struct Indexed<'a, L: Lanes> {
+    rays: &'a RayRecords,
+    list: Range,
+    cell: SlabBox<L>,
+    when: Done,
+    /// Place behind the rays that are done.
+    pub done: usize,
+}
+
+impl<'a, L: Lanes> Indexed<'a, L> {
+    /// # Safety
+    /// The processor has `L`'s instruction set; `rays` are those of the batch.
+    #[inline(always)]
+    pub unsafe fn new(rays: &'a RayRecords, list: Range, cell: &Aabb, when: Done) -> Self {
+        Indexed {
+            rays,
+            list,
+            // SAFETY: as promised.
+            cell: unsafe { SlabBox::new(cell, rays.shared_origin) },
+            when,
+            done: list.from,
+        }
+    }
 }
 
 // SAFETY: an index list names rays of the batch, each once.
-unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
+unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.list.len()
@@ -374,11 +337,6 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
     #[inline(always)]
     fn shared_origin(&self) -> Option<Vec3> {
         self.rays.shared_origin
-    }
-
-    #[inline(always)]
-    fn prim(&self) -> *mut u32 {
-        self.rays.prim
     }
 
     #[inline(always)]
@@ -394,14 +352,21 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
                 let [x, y, z, _] = L::gather4(self.rays.origins, ids);
                 [x, y, z]
             };
-            let [x, y, z, tmin] = L::gather4(self.rays.directions, ids);
+            let [x, y, z, prim] = L::gather4(self.rays.directions, ids);
+            let (active, id) = (L::first(self.list.len() - i), L::load_u(ids));
+            let tmin = match self.rays.one_tmin {
+                true => L::splat(self.rays.least_tmin),
+                false => L::gather(self.rays.tmin, id, active),
+            };
             RayVector {
-                active: L::first(self.list.len() - i),
+                active,
+                id,
                 inverse,
                 origin,
                 direction: [x, y, z],
                 tmin,
                 t,
+                prim: L::to_bits(prim),
             }
         }
     }
@@ -413,8 +378,53 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
     }
 
     #[inline(always)]
-    unsafe fn set_t(&self, id: u32, t: f32) {
+    unsafe fn found(&self, v: &RayVector<L>, _: L::M) -> L::U {
+        v.prim
+    }
+
+    #[inline(always)]
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
         // SAFETY: as promised.
-        unsafe { (*self.rays.slabs.add(id as usize))[3] = t }
+        unsafe {
+            (*self.rays.slabs.add(id as usize))[3] = t;
+            if !ANY {
+                (*self.rays.directions.add(id as usize))[3] = f32::from_bits(prim);
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn finish<const SHARED: bool, const SPECIAL: bool>(
+        &mut self,
+        i: usize,
+        v: &RayVector<L>,
+        t: L::F,
+    ) {
+        // SAFETY: as promised. Rays that are not done, between those that are and the vector, make
+        // room for the new ones.
+        unsafe {
+            // An occluded ray's t is negative.
+            let zero = L::splat(0.0);
+            let done = match self.when {
+                Done::Never => return,
+                Done::BeforeExit => {
+                    let exit = (self.cell).sure_exit::<SHARED, SPECIAL>(&v.inverse, &v.origin);
+                    L::lt(t, L::max(exit, zero))
+                }
+                Done::Hit if self.rays.any_hit => L::lt(t, zero),
+                Done::Hit => {
+                    let ids = self.rays.ids.add(self.list.from + i);
+                    let [.., prim] = L::gather4(self.rays.directions, ids);
+                    L::and_not(v.active, L::eq_u(L::to_bits(prim), L::splat_u(MISS)))
+                }
+            };
+            let mut bits = L::bits(L::and(done, v.active));
+            while bits != 0 {
+                let place = self.list.from + i + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                std::ptr::swap(self.rays.ids.add(place), self.rays.ids.add(self.done));
+                self.done += 1;
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The memory of a trace that splits space.
 
 use crate::kernels::{Cones, LEAST_PACKET, RayRecords, TriangleLists};
+use crate::rays::Batch;
 use crate::simd::MAX_LANES;
 use glam::Vec3;
 
@@ -9,7 +10,7 @@ pub(in crate::methods) struct Memory {
     spans: [Vec<[f32; 2]>; 3],
     rest: Vec<[f32; 4]>,
     triangle_ids: Vec<u32>,
-    /// Inverse direction and best t, direction and tmin, origin of each ray.
+    /// Inverse direction and best t, direction and best triangle, origin of each ray.
     slabs: Vec<[f32; 4]>,
     directions: Vec<[f32; 4]>,
     origins: Vec<[f32; 4]>,
@@ -69,19 +70,21 @@ impl Memory {
     /// The records of rays, of which nothing is known yet.
     pub(super) fn rays(
         &mut self,
+        batch: &Batch,
         shared_origin: Option<Vec3>,
-        prim: Option<*mut u32>,
+        any_hit: bool,
     ) -> RayRecords {
         RayRecords {
             slabs: self.slabs.as_mut_ptr(),
             directions: self.directions.as_mut_ptr(),
             origins: self.origins.as_mut_ptr(),
-            prim: prim.unwrap_or(std::ptr::null_mut()),
+            tmin: batch.tmin.as_ptr(),
             ids: self.ray_ids.as_mut_ptr(),
             shared_origin,
             special: false,
             least_tmin: 0.0,
-            any_hit: prim.is_none(),
+            one_tmin: false,
+            any_hit,
         }
     }
 
@@ -95,8 +98,9 @@ impl Memory {
         }
     }
 
-    /// Best t of the rays in their order.
-    pub(super) fn best(&self) -> impl Iterator<Item = f32> + '_ {
-        self.slabs.iter().map(|slab| slab[3])
+    /// Best t and triangle of the rays in their order.
+    pub(super) fn best(&self) -> impl Iterator<Item = (f32, u32)> + '_ {
+        let records = self.slabs.iter().zip(&self.directions);
+        records.map(|(slab, direction)| (slab[3], direction[3].to_bits()))
     }
 }
