@@ -229,8 +229,8 @@ impl Figure {
 const NOTES: &str = "
 fps: 1000 over the milliseconds of our traces, one thread, no shading; Mora's, on one thread of a
 3 GHz Core 2, have shading. `1 light` adds shadow rays from a point light. Mora's figures are ranges
-over four scenes, not targets: the cameras are unpublished, Conference is another version (282,000
-triangles), and Erw6, Blade and the scene without a name are not at hand.
+over four scenes (triangles a pixel: over the three with a name), not targets: the cameras are
+unpublished, Conference is another version (282,000 triangles), the other scenes are not at hand.
 ";
 
 fn pixels(film: Film) -> f64 {

@@ -36,8 +36,8 @@ pub fn paper(args: &PaperArgs) -> anyhow::Result<Verdict> {
     Ok(findings.verdict())
 }
 
-/// Three batches a scene for the three columns of Fig. 8. `figure` gets the scenes, those without a
-/// mesh included.
+/// The batches that the three columns of Fig. 8 are made of. `figure` gets the scenes, those without
+/// a mesh included.
 fn plan(args: &PaperArgs, figure: &mut Figure) -> anyhow::Result<RunPlan> {
     let engine = engine(&args.engine)?;
     let mesh_folders = mesh_folders(&args.meshes);
