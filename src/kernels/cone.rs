@@ -216,23 +216,6 @@ impl Packet {
         }
     }
 
-    /// Lanes of valid rays from `i` on.
-    ///
-    /// # Safety
-    /// The processor has `L`'s instruction set.
-    #[inline(always)]
-    unsafe fn valid<L: Lanes>(&self, i: usize) -> L::M {
-        // SAFETY: as promised.
-        unsafe {
-            let bits = L::splat_u((self.valid >> i) as u32);
-            let mut one = [0u32; MAX_LANES];
-            for (lane, one) in one.iter_mut().enumerate() {
-                *one = 1 << lane;
-            }
-            L::common_bits(bits, L::load_u(one.as_ptr()))
-        }
-    }
-
     /// The cone around the rays; none if there are none, or it would be too wide.
     ///
     /// # Safety
@@ -247,7 +230,10 @@ impl Packet {
             let mut least = [L::splat(2.0); 3];
             let mut greatest = [L::splat(-2.0); 3];
             for i in (0..self.len).step_by(L::N) {
-                let (unit, valid) = (self.load::<L>(i), self.valid::<L>(i));
+                let (unit, valid) = (
+                    self.load::<L>(i),
+                    lanes_of_bits::<L>((self.valid >> i) as u32),
+                );
                 for axis in 0..3 {
                     let x = unit[axis];
                     least[axis] = L::select(valid, L::min(x, least[axis]), least[axis]);
@@ -267,7 +253,10 @@ impl Packet {
             let mut cosine = L::splat(1.0);
             let mut squared = L::splat(0.0);
             for i in (0..self.len).step_by(L::N) {
-                let (unit, valid) = (self.load::<L>(i), self.valid::<L>(i));
+                let (unit, valid) = (
+                    self.load::<L>(i),
+                    lanes_of_bits::<L>((self.valid >> i) as u32),
+                );
                 let across = cross3::<L>(&lanes, &unit);
                 let c = dot::<L>(&lanes, &unit);
                 let s = L::sub(L::splat(0.0), dot::<L>(&across, &across));
@@ -447,7 +436,7 @@ impl<L: Lanes> Test<L> for Seen<L> {
         }
         // SAFETY: as promised.
         unsafe {
-            let [x, y, z, sine] = L::gather4(self.cones, ids);
+            let [x, y, z, sine] = L::gather4::<1>(self.cones, ids);
             let axis = [x, y, z];
             let zero = L::splat(0.0);
             let tolerance = L::splat(-TOLERANCE);
@@ -479,6 +468,55 @@ impl<L: Lanes> Test<L> for Seen<L> {
             L::and(meets, candidates)
         }
     }
+}
+
+/// Writes the rays of cones that are not done into the rays' index list, from place `to` on; returns
+/// the place behind them.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; the cones are those of the batch, and the list has room
+/// for their rays and a vector.
+#[inline(always)]
+pub(crate) unsafe fn flush<L: Lanes>(
+    cones: &Cones,
+    list: Range,
+    rays: &RayRecords,
+    mut to: usize,
+) -> usize {
+    // SAFETY: as promised.
+    unsafe {
+        for i in list.from..list.to {
+            let cone = *cones.ids.add(i);
+            let [first, _] = *cones.rays.add(cone as usize);
+            let active = !cones.bits(cone);
+            for at in (0..PACKET).step_by(L::N) {
+                let lanes = lanes_of_bits::<L>((active >> at) as u32);
+                let id = L::compress_u(lanes, L::count_from(first + at as u32));
+                L::store_u(rays.ids.add(to), id);
+                to += L::bits(lanes).count_ones() as usize;
+            }
+        }
+    }
+    to
+}
+
+/// Lanes whose bits are set.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+unsafe fn lanes_of_bits<L: Lanes>(bits: u32) -> L::M {
+    const ONE: [u32; MAX_LANES] = {
+        let mut one = [0; MAX_LANES];
+        let mut lane = 0;
+        while lane < MAX_LANES {
+            one[lane] = 1 << lane;
+            lane += 1;
+        }
+        one
+    };
+    // SAFETY: as promised.
+    unsafe { L::common_bits(L::splat_u(bits), L::load_u(ONE.as_ptr())) }
 }
 
 /// Moves the cones of a part of the index list that meet a box to its front; returns how many do.

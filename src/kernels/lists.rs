@@ -103,7 +103,7 @@ pub(super) unsafe fn corners<L: Lanes>(
 ) -> (Corners<L>, L::U) {
     // SAFETY: as promised.
     unsafe {
-        let [x, y, z, code] = L::gather4(lists.rest, ids);
+        let [x, y, z, code] = L::gather4::<1>(lists.rest, ids);
         let (middle, code) = ([x, y, z], L::to_bits(code));
         let zero = [L::splat(0.0); 3];
         let (mut a, mut b, mut c, mut lo, mut hi) = (zero, zero, zero, zero, zero);
@@ -157,6 +157,14 @@ impl<L: Lanes> Test<L> for Reaches<L> {
                 false => L::le(least, self.plane),
             };
             L::and(reaches, active)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn prefetch(&self, ids: *const u32) {
+        for lane in 0..MAX_LANES {
+            // SAFETY: as promised.
+            unsafe { L::prefetch(self.spans.wrapping_add(*ids.add(lane) as usize).cast()) }
         }
     }
 }

@@ -20,7 +20,7 @@ pub(crate) use cone::{Cones, LEAST_PACKET};
 pub(crate) use filter::{BLOCK, Keep};
 pub(crate) use lists::{Listed, Side, TriangleLists};
 pub(crate) use overlap::Overlap;
-pub(crate) use records::{Directions, Range, RayRecords};
+pub(crate) use records::{Directions, Done, RAYS_AHEAD, Range, RayRecords};
 pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_left};
 pub(crate) use shells::Kernels;
 pub use slab::PADDING;

@@ -9,6 +9,8 @@ use glam::Vec3;
 /// A vector of active rays.
 pub(crate) struct RayVector<L: Lanes> {
     pub active: L::M,
+    /// Numbers of the rays.
+    pub id: L::U,
     pub inverse: [L::F; 3],
     /// Meaningless where the origin is shared.
     pub origin: [L::F; 3],
@@ -16,18 +18,17 @@ pub(crate) struct RayVector<L: Lanes> {
     pub tmin: L::F,
     /// Best t so far.
     pub t: L::F,
+    /// Best triangle so far; meaningless where [`RayList::found`] looks it up.
+    pub prim: L::U,
 }
 
 /// A list of active rays, however it is stored.
 ///
 /// # Safety
 /// [`RayList::id`] gives numbers of rays of the batch, no two of them equal.
-pub(crate) unsafe trait RayList<L: Lanes>: Copy {
+pub(crate) unsafe trait RayList<L: Lanes> {
     fn len(&self) -> usize;
     fn shared_origin(&self) -> Option<Vec3>;
-    /// Best triangle so far by ray id; unused for any-hit rays.
-    fn prim(&self) -> *mut u32;
-
     /// The vector from place `i` on.
     ///
     /// # Safety
@@ -40,11 +41,31 @@ pub(crate) unsafe trait RayList<L: Lanes>: Copy {
     /// The place is below the length.
     unsafe fn id(&self, i: usize) -> u32;
 
-    /// A new best t.
+    /// The best triangles so far of some lanes of a vector.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; the vector is one of the list.
+    unsafe fn found(&self, v: &RayVector<L>, lanes: L::M) -> L::U;
+
+    /// A new best hit; of any-hit rays only t counts.
     ///
     /// # Safety
     /// `id` is one of the list.
-    unsafe fn set_t(&self, id: u32, t: f32);
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32);
+
+    /// Called when a vector of rays has met all triangles, with the best t there is now. From here on
+    /// the places up to the end of the vector are not looked at again.
+    ///
+    /// # Safety
+    /// As for [`RayList::load`].
+    #[inline(always)]
+    unsafe fn finish<const SHARED: bool, const SPECIAL: bool>(
+        &mut self,
+        _i: usize,
+        _v: &RayVector<L>,
+        _t: L::F,
+    ) {
+    }
 }
 
 /// Triangles, however they are stored.
@@ -59,20 +80,20 @@ pub(crate) trait TriangleList<L: Lanes> {
 }
 
 /// Intersects a list of rays with triangles and keeps the least (t, prim) of each ray; an any-hit
-/// ray that hits gets t = −1, which ends every later test. Returns whether any ray has a new hit.
+/// ray that hits gets t = −1, which ends every later test.
 ///
 /// # Safety
 /// The processor has `L`'s instruction set, and both lists keep their promises.
 #[inline(always)]
 pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
-    rays: impl RayList<L>,
+    rays: &mut impl RayList<L>,
     mut triangles: impl TriangleList<L>,
-) -> bool {
+) {
     let mut chunk = Chunk::ZERO;
     let shared_origin = rays.shared_origin();
-    let mut found = false;
     for from in (0..triangles.len()).step_by(CHUNK) {
         let len = (triangles.len() - from).min(CHUNK);
+        let last = from + len == triangles.len();
         // SAFETY: as promised, here and below.
         unsafe { triangles.prepare(from, &mut chunk, shared_origin) };
         for i in (0..rays.len()).step_by(L::N) {
@@ -81,7 +102,15 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                 let mut t = v.t;
                 let mut prim = L::splat_u(0);
                 let mut changed = L::first(0);
+                // Two loops: the first has no branch to be mispredicted, the second few rounds.
+                let mut candidates = 0u32;
                 for j in 0..len {
+                    let (inside, ..) = chunk.inside::<L, SHARED>(j, &v.origin, &v.direction);
+                    candidates |= ((L::bits(L::and(inside, v.active)) != 0) as u32) << j;
+                }
+                while candidates != 0 {
+                    let j = candidates.trailing_zeros() as usize;
+                    candidates &= candidates - 1;
                     let (mut hit, t_hit) = chunk.intersect::<L, SHARED, SPECIAL>(
                         j,
                         &v.origin,
@@ -98,29 +127,27 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                     if ANY {
                         t = L::select(hit, L::splat(-1.0), t);
                     } else {
+                        // Of equal t the lowest prim wins. Here among those that this vector has met;
+                        // what was found before is looked at once, in the end.
                         let new = L::splat_u(chunk.prim[j]);
-                        let tie = L::and(hit, L::eq(t_hit, t));
-                        if L::bits(tie) != 0 {
-                            // Of equal t the lowest prim wins; at t = tmax the old one is a miss's.
-                            let mut before = [u32::MAX; MAX_LANES];
-                            let mut bits = L::bits(L::and_not(tie, changed));
-                            while bits != 0 {
-                                let lane = bits.trailing_zeros() as usize;
-                                bits &= bits - 1;
-                                before[lane] = *rays.prim().add(rays.id(i + lane) as usize);
-                            }
-                            let before = L::load_u(before.as_ptr());
-                            let old = L::select_u(changed, prim, before);
-                            hit = L::and_not(hit, L::and_not(tie, L::lt_u(new, old)));
-                        }
+                        let tie = L::and(L::and(hit, changed), L::eq(t_hit, t));
+                        hit = L::and_not(hit, L::and_not(tie, L::lt_u(new, prim)));
                         t = L::select(hit, t_hit, t);
                         prim = L::select_u(hit, new, prim);
                     }
                     changed = L::or(changed, hit);
                 }
+                if !ANY {
+                    // Often the very triangle that was hit before, met again. At t = tmax the one before
+                    // is a miss's.
+                    let tie = L::and(changed, L::eq(t, v.t));
+                    if L::bits(tie) != 0 {
+                        let before = rays.found(&v, tie);
+                        changed = L::and_not(changed, L::and_not(tie, L::lt_u(prim, before)));
+                    }
+                }
                 let mut bits = L::bits(changed);
                 if bits != 0 {
-                    found = true;
                     let mut lane_t = [0f32; MAX_LANES];
                     let mut lane_prim = [0u32; MAX_LANES];
                     L::store(lane_t.as_mut_ptr(), t);
@@ -128,17 +155,15 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
                     while bits != 0 {
                         let lane = bits.trailing_zeros() as usize;
                         bits &= bits - 1;
-                        let id = rays.id(i + lane);
-                        rays.set_t(id, lane_t[lane]);
-                        if !ANY {
-                            *rays.prim().add(id as usize) = lane_prim[lane];
-                        }
+                        rays.set::<ANY>(rays.id(i + lane), lane_t[lane], lane_prim[lane]);
                     }
+                }
+                if last {
+                    rays.finish::<SHARED, SPECIAL>(i, &v, t);
                 }
             }
         }
     }
-    found
 }
 
 /// A list of copied records.
@@ -158,11 +183,6 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
     #[inline(always)]
     fn shared_origin(&self) -> Option<Vec3> {
         self.rays.shared_origin
-    }
-
-    #[inline(always)]
-    fn prim(&self) -> *mut u32 {
-        self.rays.prim
     }
 
     #[inline(always)]
@@ -187,14 +207,16 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
                 L::prefetch(rays.t.wrapping_add(next));
             }
             // What stands behind the list are old ids, so there are directions for them too.
-            let [x, y, z, tmin] = L::gather4(rays.directions, s.id.add(at));
+            let [x, y, z, tmin] = L::gather4::<1>(rays.directions, s.id.add(at));
             RayVector {
                 active,
+                id,
                 inverse,
                 origin,
                 direction: [x, y, z],
                 tmin,
                 t: L::gather(rays.t, id, active),
+                prim: id,
             }
         }
     }
@@ -206,9 +228,20 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
     }
 
     #[inline(always)]
-    unsafe fn set_t(&self, id: u32, t: f32) {
+    unsafe fn found(&self, v: &RayVector<L>, lanes: L::M) -> L::U {
         // SAFETY: as promised.
-        unsafe { *self.rays.t.add(id as usize) = t }
+        unsafe { L::gather_u(self.rays.prim, v.id, lanes) }
+    }
+
+    #[inline(always)]
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
+        // SAFETY: as promised.
+        unsafe {
+            *self.rays.t.add(id as usize) = t;
+            if !ANY {
+                *self.rays.prim.add(id as usize) = prim;
+            }
+        }
     }
 }
 

@@ -9,11 +9,20 @@ pub(crate) trait Test<L: Lanes> {
     /// # Safety
     /// The processor has `L`'s instruction set; there are `L::N` valid indices at `ids`.
     unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M;
+
+    /// Starts to bring near what [`Test::pass`] will look up for [`MAX_LANES`] indices.
+    ///
+    /// # Safety
+    /// As for [`Test::pass`], but for that number.
+    #[inline(always)]
+    unsafe fn prefetch(&self, _ids: *const u32) {}
 }
 
 /// Indices looked at together, whatever the number of lanes: so the order of the result is the same
 /// on every instruction set.
 const BLOCK: usize = MAX_LANES;
+/// Indices between those that are looked up and those that are fetched for later.
+const AHEAD: usize = 6 * BLOCK;
 
 /// The hole that [`partition`] has at either end of the list, and what was there.
 struct Ends<'a, L: Lanes, T> {
@@ -118,9 +127,11 @@ pub(crate) unsafe fn partition<L: Lanes, T: Test<L>>(
         while to - from >= BLOCK {
             let at = if from - ends.front <= ends.back - to {
                 from += BLOCK;
+                ends.test.prefetch(ids.add((from + AHEAD).min(len - BLOCK)));
                 from - BLOCK
             } else {
                 to -= BLOCK;
+                ends.test.prefetch(ids.add(to.saturating_sub(AHEAD)));
                 to
             };
             ends.put::<true>(ids.add(at), BLOCK);

@@ -14,15 +14,14 @@ use glam::Vec3;
 #[derive(Clone, Copy)]
 pub(crate) struct RayRecords {
     /// Inverse direction (NaN where that is not finite) and best t so far; at first `tmax`, and −1
-    /// for an occluded any-hit ray.
+    /// for an occluded any-hit ray. Where rays have origins of their own, each is followed by its
+    /// origin, in the same cache line.
     pub slabs: *mut [f32; 4],
-    /// Direction and tmin.
+    /// Direction, and the bits of the best triangle so far (unused for any-hit rays).
     pub directions: *mut [f32; 4],
-    /// Origin; not written where the batch shares its origin.
-    pub origins: *mut [f32; 4],
-    /// Best triangle so far; unused for any-hit rays.
-    pub prim: *mut u32,
-    /// Indices of active rays, with whole vectors of valid indices behind their end.
+    /// tmin of each ray, if they are not all the same.
+    pub tmin: *const f32,
+    /// Indices of active rays, with [`RAYS_AHEAD`] valid indices behind their end.
     pub ids: *mut u32,
     /// The origin, if the batch has only one.
     pub shared_origin: Option<Vec3>,
@@ -30,8 +29,43 @@ pub(crate) struct RayRecords {
     pub special: bool,
     /// The least `tmin` of all valid rays.
     pub least_tmin: f32,
+    /// Whether that is the tmin of all of them.
+    pub one_tmin: bool,
     /// Whether any hit will do.
     pub any_hit: bool,
+}
+
+impl RayRecords {
+    /// Inverse directions, origins (meaningless where they are shared) and best t of `L::N` rays.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `L::N` indices of rays at `ids`.
+    #[inline(always)]
+    unsafe fn slabs<L: Lanes, const SHARED: bool>(
+        &self,
+        ids: *const u32,
+    ) -> ([L::F; 3], [L::F; 3], L::F) {
+        // SAFETY: as promised.
+        unsafe {
+            if SHARED {
+                let [x, y, z, t] = L::gather4::<1>(self.slabs, ids);
+                ([x, y, z], [x, y, z], t)
+            } else {
+                let [x, y, z, t] = L::gather4::<2>(self.slabs, ids);
+                let [ox, oy, oz, _] = L::gather4::<2>(self.slabs.add(1), ids);
+                ([x, y, z], [ox, oy, oz], t)
+            }
+        }
+    }
+
+    /// Place of the first record of a ray.
+    #[inline(always)]
+    fn place(&self, ray: usize) -> usize {
+        match self.shared_origin {
+            Some(_) => ray,
+            None => 2 * ray,
+        }
+    }
 }
 
 /// A range of the index list.
@@ -56,6 +90,8 @@ pub(crate) struct PreparedRecords {
     pub special: bool,
     /// The least tmin of the valid rays.
     pub least_tmin: f32,
+    /// Whether all of them have that one.
+    pub one_tmin: bool,
     /// The box around the origins of the valid rays.
     pub origins: Aabb,
 }
@@ -76,7 +112,7 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
         let nan = L::splat(f32::NAN);
         let infinity = L::splat(f32::INFINITY);
         let mut least = [infinity; 4];
-        let mut greatest = [L::splat(f32::NEG_INFINITY); 3];
+        let mut greatest = [L::splat(f32::NEG_INFINITY); 4];
         let mut special = L::first(0);
         let mut n = 0;
         for at in (0..batch.len()).step_by(L::N) {
@@ -88,6 +124,7 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             let valid = prepare::valid::<L>(&origin, &direction, tmin, tmax);
             let valid = L::and(valid, L::first(left));
             least[3] = L::select(valid, L::min(tmin, least[3]), least[3]);
+            greatest[3] = L::select(valid, L::max(tmin, greatest[3]), greatest[3]);
             let mut inverse = direction;
             for axis in 0..3 {
                 let o = origin[axis];
@@ -101,23 +138,16 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             // An invalid ray's tmax may be the very mark of an occluded ray.
             let best = L::select(valid, tmax, infinity);
             let slab = [inverse[0], inverse[1], inverse[2], best];
-            let directed = [direction[0], direction[1], direction[2], tmin];
+            let miss = L::from_bits(L::splat_u(MISS));
+            let directed = [direction[0], direction[1], direction[2], miss];
             let placed = [origin[0], origin[1], origin[2], tmin];
-            if left >= L::N {
-                L::store4(rays.slabs.add(at), slab);
-                L::store4(rays.directions.add(at), directed);
-                if rays.shared_origin.is_none() {
-                    L::store4(rays.origins.add(at), placed);
-                }
+            let lanes = left.min(L::N);
+            store_first4::<L, 1>(rays.directions.add(at), directed, lanes);
+            if rays.shared_origin.is_some() {
+                store_first4::<L, 1>(rays.slabs.add(at), slab, lanes);
             } else {
-                store_first4::<L>(rays.slabs.add(at), slab, left);
-                store_first4::<L>(rays.directions.add(at), directed, left);
-                if rays.shared_origin.is_none() {
-                    store_first4::<L>(rays.origins.add(at), placed, left);
-                }
-            }
-            if !rays.any_hit {
-                L::store_first_u(rays.prim.add(at), L::splat_u(MISS), left.min(L::N));
+                store_first4::<L, 2>(rays.slabs.add(2 * at), slab, lanes);
+                store_first4::<L, 2>(rays.slabs.add(2 * at + 1), placed, lanes);
             }
             // Lanes behind the batch name a ray, too: compressing may leave any lane behind the list.
             let id = L::select_u(
@@ -128,10 +158,12 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             L::store_u(rays.ids.add(n), L::compress_u(valid, id));
             n += L::bits(valid).count_ones() as usize;
         }
+        let least_tmin = least_of::<L>(least[3]);
         PreparedRecords {
             valid: n,
             special: L::bits(special) != 0,
-            least_tmin: least_of::<L>(least[3]),
+            least_tmin,
+            one_tmin: least_tmin == -least_of::<L>(L::sub(L::splat(0.0), greatest[3])),
             origins: Aabb {
                 min: Vec3::new(
                     least_of::<L>(least[0]),
@@ -148,15 +180,22 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
     }
 }
 
+/// Stores the first `n` of `L::N` records, to every `STRIDE`-th place.
+///
 /// # Safety
-/// The processor has `L`'s instruction set; room for `n` records, fewer than `L::N`.
+/// The processor has `L`'s instruction set; there is room for so many, at most `L::N`.
 #[inline(always)]
-unsafe fn store_first4<L: Lanes>(p: *mut [f32; 4], v: [L::F; 4], n: usize) {
-    let mut records = [[0f32; 4]; MAX_LANES];
+unsafe fn store_first4<L: Lanes, const STRIDE: usize>(p: *mut [f32; 4], v: [L::F; 4], n: usize) {
     // SAFETY: as promised.
     unsafe {
+        if STRIDE == 1 && n == L::N {
+            return L::store4(p, v);
+        }
+        let mut records = [[0f32; 4]; MAX_LANES];
         L::store4(records.as_mut_ptr(), v);
-        std::ptr::copy_nonoverlapping(records.as_ptr(), p, n);
+        for (i, record) in records.iter().enumerate().take(n) {
+            *p.add(STRIDE * i) = *record;
+        }
     }
 }
 
@@ -193,14 +232,7 @@ impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Meets<'_, L,
     unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
         // SAFETY: as promised.
         unsafe {
-            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
-            let inverse = [x, y, z];
-            let origin = if SHARED {
-                inverse
-            } else {
-                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
-                [x, y, z]
-            };
+            let (inverse, origin, t) = self.rays.slabs::<L, SHARED>(ids);
             let tmin = L::splat(self.rays.least_tmin);
             let (near, far) = (self.slabs).interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
             let meets = L::and(L::le(near, far), L::le(near, t));
@@ -213,6 +245,18 @@ impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Meets<'_, L,
                 self.directions.down += L::bits(down).count_ones() as usize;
             }
             passed
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn prefetch(&self, ids: *const u32) {
+        // Rays of one origin are most often near each other in the batch: four share a cache line.
+        for lane in (0..MAX_LANES).step_by(if SHARED { 4 } else { 1 }) {
+            // SAFETY: as promised.
+            unsafe {
+                let next = *ids.add(lane) as usize;
+                L::prefetch(self.rays.slabs.wrapping_add(self.rays.place(next)).cast());
+            }
         }
     }
 }
@@ -242,98 +286,20 @@ pub(crate) unsafe fn keep_meeting<L: Lanes, const SHARED: bool, const SPECIAL: b
     }
 }
 
-/// Rays that are done once the triangles of a cell have been intersected, because every cell behind
-/// it will turn them away: their best t is before its exit.
-///
-/// A cell that comes later is behind a plane that this one is before, so the ray enters it, as
-/// computed, no sooner than it leaves this one: slabs are monotone in the planes. Rays without a
-/// direction on an axis are not before or behind a plane across it; they are done only if their origin
-/// is strictly between this cell's.
-struct Done<'a, L: Lanes, const SHARED: bool, const SPECIAL: bool> {
-    rays: &'a RayRecords,
-    slabs: SlabBox<L>,
-}
-
-impl<L: Lanes, const SHARED: bool, const SPECIAL: bool> Test<L> for Done<'_, L, SHARED, SPECIAL> {
-    #[inline(always)]
-    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
-        // SAFETY: as promised.
-        unsafe {
-            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
-            let inverse = [x, y, z];
-            let origin = if SHARED {
-                inverse
-            } else {
-                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
-                [x, y, z]
-            };
-            let exit = self.slabs.sure_exit::<SHARED, SPECIAL>(&inverse, &origin);
-            // An occluded ray's t is negative.
-            let before = L::lt(t, L::max(exit, L::splat(0.0)));
-            L::and(before, active)
-        }
-    }
-}
-
-/// Rays that have hit anything, wherever: those that section 3.2 ends, as it is printed.
-struct DoneAsPrinted<'a> {
-    rays: &'a RayRecords,
-}
-
-impl<L: Lanes> Test<L> for DoneAsPrinted<'_> {
-    #[inline(always)]
-    unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
-        // SAFETY: as promised.
-        unsafe {
-            if self.rays.any_hit {
-                let [.., t] = L::gather4(self.rays.slabs, ids);
-                L::and(active, L::lt(t, L::splat(0.0)))
-            } else {
-                let prim = L::gather_u(self.rays.prim, L::load_u(ids), active);
-                L::and_not(active, L::eq_u(prim, L::splat_u(MISS)))
-            }
-        }
-    }
-}
-
-/// Moves the rays of a list that are done, now that the triangles of a cell have been intersected, to
-/// its front; returns how many are.
-///
-/// # Safety
-/// As for [`keep_meeting`].
-#[inline(always)]
-pub(crate) unsafe fn keep_done<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
-    rays: &RayRecords,
-    list: Range,
-    cell: &Aabb,
-    as_printed: bool,
-) -> usize {
-    // SAFETY: as promised.
-    unsafe {
-        let ids = rays.ids.add(list.from);
-        if as_printed {
-            return partition::<L, _>(ids, list.len(), &mut DoneAsPrinted { rays });
-        }
-        let slabs = SlabBox::new(cell, rays.shared_origin);
-        let mut test = Done::<L, SHARED, SPECIAL> { rays, slabs };
-        partition::<L, _>(ids, list.len(), &mut test)
-    }
-}
-
 /// Rays of an octant of directions.
-struct InOctant<'a> {
+struct InOctant<'a, const SHARED: bool> {
     rays: &'a RayRecords,
     octant: usize,
 }
 
-impl<L: Lanes> Test<L> for InOctant<'_> {
+impl<L: Lanes, const SHARED: bool> Test<L> for InOctant<'_, SHARED> {
     #[inline(always)]
     unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
         // SAFETY: as promised.
         unsafe {
-            let [x, y, z, _] = L::gather4(self.rays.slabs, ids);
+            let (inverse, ..) = self.rays.slabs::<L, SHARED>(ids);
             let mut inside = active;
-            for (axis, inverse) in [x, y, z].into_iter().enumerate() {
+            for (axis, inverse) in inverse.into_iter().enumerate() {
                 let down = L::lt(inverse, L::splat(0.0));
                 inside = match self.octant >> axis & 1 {
                     0 => L::and_not(inside, down),
@@ -351,21 +317,66 @@ impl<L: Lanes> Test<L> for InOctant<'_> {
 /// # Safety
 /// As for [`keep_meeting`].
 #[inline(always)]
-pub(crate) unsafe fn keep_octant<L: Lanes>(rays: &RayRecords, list: Range, octant: usize) -> usize {
-    let mut test = InOctant { rays, octant };
+pub(crate) unsafe fn keep_octant<L: Lanes, const SHARED: bool>(
+    rays: &RayRecords,
+    list: Range,
+    octant: usize,
+) -> usize {
+    let mut test = InOctant::<SHARED> { rays, octant };
     // SAFETY: as promised.
     unsafe { partition::<L, _>(rays.ids.add(list.from), list.len(), &mut test) }
 }
 
-/// A range of the index list as the naive step takes it.
-#[derive(Clone, Copy)]
-pub(crate) struct Indexed<'a> {
-    pub rays: &'a RayRecords,
-    pub list: Range,
+/// When rays are done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Done {
+    /// Not before the end.
+    Never,
+    /// Once every cell that comes later will turn them away, because their best t is before the exit
+    /// of the cell whose triangles they have met.
+    ///
+    /// A later cell is behind a plane that this one is before, so a ray enters it, as computed, no
+    /// sooner than it leaves this one: slabs are monotone in their planes. A ray without a direction on
+    /// an axis is not before or behind a plane across it; it is done only if its origin is
+    /// strictly between this cell's.
+    BeforeExit,
+    /// Once they have hit anything, wherever: as section 3.2 prints it.
+    Hit,
+}
+
+/// Places between the rays that are intersected and those that are fetched for later.
+const AHEAD: usize = 8 * MAX_LANES;
+/// Valid indices that stand behind the index list.
+pub(crate) const RAYS_AHEAD: usize = AHEAD + MAX_LANES;
+
+/// A range of the index list as the naive step takes it. Rays that are done come first when it is over.
+pub(crate) struct Indexed<'a, L: Lanes> {
+    rays: &'a RayRecords,
+    list: Range,
+    cell: SlabBox<L>,
+    when: Done,
+    /// Place behind the rays that are done.
+    pub done: usize,
+}
+
+impl<'a, L: Lanes> Indexed<'a, L> {
+    /// # Safety
+    /// The processor has `L`'s instruction set; `rays` are those of the batch.
+    #[inline(always)]
+    pub unsafe fn new(rays: &'a RayRecords, list: Range, cell: &Aabb, when: Done) -> Self {
+        Indexed {
+            rays,
+            list,
+            // SAFETY: as promised.
+            cell: unsafe { SlabBox::new(cell, rays.shared_origin) },
+            when,
+            done: list.from,
+        }
+    }
 }
 
 // SAFETY: an index list names rays of the batch, each once.
-unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
+unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.list.len()
@@ -377,31 +388,31 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
     }
 
     #[inline(always)]
-    fn prim(&self) -> *mut u32 {
-        self.rays.prim
-    }
-
-    #[inline(always)]
     unsafe fn load<const SHARED: bool>(&self, i: usize) -> RayVector<L> {
         // SAFETY: as promised; behind a list there are valid indices, too.
         unsafe {
             let ids = self.rays.ids.add(self.list.from + i);
-            let [x, y, z, t] = L::gather4(self.rays.slabs, ids);
-            let inverse = [x, y, z];
-            let origin = if SHARED {
-                inverse
-            } else {
-                let [x, y, z, _] = L::gather4(self.rays.origins, ids);
-                [x, y, z]
+            for lane in (0..L::N).step_by(if SHARED { 4 } else { 1 }) {
+                let next = *ids.add(AHEAD + lane) as usize;
+                L::prefetch(self.rays.slabs.wrapping_add(self.rays.place(next)).cast());
+                L::prefetch(self.rays.directions.wrapping_add(next).cast());
+            }
+            let (inverse, origin, t) = self.rays.slabs::<L, SHARED>(ids);
+            let [x, y, z, prim] = L::gather4::<1>(self.rays.directions, ids);
+            let (active, id) = (L::first(self.list.len() - i), L::load_u(ids));
+            let tmin = match self.rays.one_tmin {
+                true => L::splat(self.rays.least_tmin),
+                false => L::gather(self.rays.tmin, id, active),
             };
-            let [x, y, z, tmin] = L::gather4(self.rays.directions, ids);
             RayVector {
-                active: L::first(self.list.len() - i),
+                active,
+                id,
                 inverse,
                 origin,
                 direction: [x, y, z],
                 tmin,
                 t,
+                prim: L::to_bits(prim),
             }
         }
     }
@@ -413,8 +424,54 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_> {
     }
 
     #[inline(always)]
-    unsafe fn set_t(&self, id: u32, t: f32) {
+    unsafe fn found(&self, v: &RayVector<L>, _: L::M) -> L::U {
+        v.prim
+    }
+
+    #[inline(always)]
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
         // SAFETY: as promised.
-        unsafe { (*self.rays.slabs.add(id as usize))[3] = t }
+        unsafe {
+            let place = self.rays.place(id as usize);
+            (*self.rays.slabs.add(place))[3] = t;
+            if !ANY {
+                (*self.rays.directions.add(id as usize))[3] = f32::from_bits(prim);
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn finish<const SHARED: bool, const SPECIAL: bool>(
+        &mut self,
+        i: usize,
+        v: &RayVector<L>,
+        t: L::F,
+    ) {
+        // SAFETY: as promised. Rays that are not done, between those that are and the vector, make
+        // room for the new ones.
+        unsafe {
+            // An occluded ray's t is negative.
+            let zero = L::splat(0.0);
+            let done = match self.when {
+                Done::Never => return,
+                Done::BeforeExit => {
+                    let exit = (self.cell).sure_exit::<SHARED, SPECIAL>(&v.inverse, &v.origin);
+                    L::lt(t, L::max(exit, zero))
+                }
+                Done::Hit if self.rays.any_hit => L::lt(t, zero),
+                Done::Hit => {
+                    let ids = self.rays.ids.add(self.list.from + i);
+                    let [.., prim] = L::gather4::<1>(self.rays.directions, ids);
+                    L::and_not(v.active, L::eq_u(L::to_bits(prim), L::splat_u(MISS)))
+                }
+            };
+            let mut bits = L::bits(L::and(done, v.active));
+            while bits != 0 {
+                let place = self.list.from + i + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                std::ptr::swap(self.rays.ids.add(place), self.rays.ids.add(self.done));
+                self.done += 1;
+            }
+        }
     }
 }

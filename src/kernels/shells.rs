@@ -7,7 +7,7 @@ use super::lists::{self, Listed, PreparedLists, Side, TriangleLists};
 use super::naive::{self, Copied, Items};
 use super::overlap::{self, Overlap};
 use super::prepare::{self, PreparedRays};
-use super::records::{self, Directions, Indexed, PreparedRecords, Range, RayRecords};
+use super::records::{self, Directions, Done, Indexed, PreparedRecords, Range, RayRecords};
 use super::sample::{Candidate, Draw, SampleCounts, Samples};
 use super::{List, Rays};
 use crate::geometry::{Aabb, Mesh, Triangle};
@@ -42,10 +42,11 @@ pub(crate) struct Kernels {
     pub prepare_records: unsafe fn(&Batch, &RayRecords) -> PreparedRecords,
     pub keep_meeting: unsafe fn(&RayRecords, Range, &Aabb, Option<usize>) -> (usize, Directions),
     pub keep_octant: unsafe fn(&RayRecords, Range, usize) -> usize,
-    pub keep_done: unsafe fn(&RayRecords, Range, &Aabb, bool) -> usize,
     pub prepare_cones: unsafe fn(&Batch, &RayRecords, &Cones) -> PreparedCones,
+    pub flush: unsafe fn(&Cones, Range, &RayRecords, usize) -> usize,
     pub keep_cones: unsafe fn(&Cones, Range, &Aabb, Vec3) -> usize,
-    pub naive_indexed: unsafe fn(&RayRecords, Range, Listed) -> bool,
+    /// Also given the cell and when rays are done; returns the place behind those that are.
+    pub naive_indexed: unsafe fn(&RayRecords, Range, Listed, &Aabb, Done) -> usize,
 }
 
 impl Kernels {
@@ -106,8 +107,8 @@ macro_rules! shells {
                 prepare_records,
                 keep_meeting,
                 keep_octant,
-                keep_done,
                 prepare_cones,
+                flush,
                 keep_cones,
                 naive_indexed,
             };
@@ -201,14 +202,14 @@ macro_rules! shells {
 
             $(#[$feature])?
             unsafe fn naive(rays: &Rays, list: List, triangles: &[Triangle], items: &[Item]) {
-                let (list, triangles) = (Copied { rays, list }, Items { triangles, items });
+                let (mut list, triangles) = (Copied { rays, list }, Items { triangles, items });
                 by_batch!(rays, |SHARED, SPECIAL| {
                     // SAFETY: as above.
                     unsafe {
                         if rays.any_hit {
-                            naive::naive::<L, SHARED, SPECIAL, true>(list, triangles)
+                            naive::naive::<L, SHARED, SPECIAL, true>(&mut list, triangles)
                         } else {
-                            naive::naive::<L, SHARED, SPECIAL, false>(list, triangles)
+                            naive::naive::<L, SHARED, SPECIAL, false>(&mut list, triangles)
                         }
                     }
                 });
@@ -254,20 +255,12 @@ macro_rules! shells {
             $(#[$feature])?
             unsafe fn keep_octant(rays: &RayRecords, list: Range, octant: usize) -> usize {
                 // SAFETY: as above.
-                unsafe { records::keep_octant::<L>(rays, list, octant) }
-            }
-
-            $(#[$feature])?
-            unsafe fn keep_done(
-                rays: &RayRecords,
-                list: Range,
-                cell: &Aabb,
-                as_printed: bool,
-            ) -> usize {
-                by_batch!(rays, |SHARED, SPECIAL| {
-                    // SAFETY: as above.
-                    unsafe { records::keep_done::<L, SHARED, SPECIAL>(rays, list, cell, as_printed) }
-                })
+                unsafe {
+                    match rays.shared_origin {
+                        Some(_) => records::keep_octant::<L, true>(rays, list, octant),
+                        None => records::keep_octant::<L, false>(rays, list, octant),
+                    }
+                }
             }
 
             $(#[$feature])?
@@ -278,6 +271,12 @@ macro_rules! shells {
             ) -> PreparedCones {
                 // SAFETY: as above.
                 unsafe { cone::prepare_cones::<L>(batch, rays, cones) }
+            }
+
+            $(#[$feature])?
+            unsafe fn flush(cones: &Cones, list: Range, rays: &RayRecords, to: usize) -> usize {
+                // SAFETY: as above.
+                unsafe { cone::flush::<L>(cones, list, rays, to) }
             }
 
             $(#[$feature])?
@@ -292,18 +291,26 @@ macro_rules! shells {
             }
 
             $(#[$feature])?
-            unsafe fn naive_indexed(rays: &RayRecords, list: Range, triangles: Listed) -> bool {
-                let list = Indexed { rays, list };
+            unsafe fn naive_indexed(
+                rays: &RayRecords,
+                list: Range,
+                triangles: Listed,
+                cell: &Aabb,
+                when: Done,
+            ) -> usize {
+                // SAFETY: as above.
+                let mut list = unsafe { Indexed::<L>::new(rays, list, cell, when) };
                 by_batch!(rays, |SHARED, SPECIAL| {
                     // SAFETY: as above.
                     unsafe {
                         if rays.any_hit {
-                            naive::naive::<L, SHARED, SPECIAL, true>(list, triangles)
+                            naive::naive::<L, SHARED, SPECIAL, true>(&mut list, triangles)
                         } else {
-                            naive::naive::<L, SHARED, SPECIAL, false>(list, triangles)
+                            naive::naive::<L, SHARED, SPECIAL, false>(&mut list, triangles)
                         }
                     }
-                })
+                });
+                list.done
             }
         }
     };

@@ -22,13 +22,13 @@ type Numbers = [f32; CHUNK];
 /// What the kernel needs of up to [`CHUNK`] triangles.
 #[repr(C, align(64))]
 pub(crate) struct Chunk {
-    /// Unnormalised normal.
+    /// Unnormalised normal; where the origin is shared, towards the side that rays leave on.
     n: [Numbers; 3],
     /// Factor of U: e2, or e2 × C where the origin is shared.
     u: [Numbers; 3],
     /// Factor of V: e1, or e1 × C.
     v: [Numbers; 3],
-    /// First corner; where the origin is shared, N·C in the first place.
+    /// First corner; where the origin is shared, |N·C| in the first place.
     a: [Numbers; 3],
     /// The boxes.
     lo: [Numbers; 3],
@@ -73,11 +73,11 @@ impl Chunk {
             let Corners { a, b, c, lo, hi } = corners;
             let (e1, e2) = (sub3::<L>(a, b), sub3::<L>(c, a));
             let n = cross3::<L>(&e2, &e1);
-            store3::<L>(&mut self.n, at, &n);
             store3::<L>(&mut self.lo, at, lo);
             store3::<L>(&mut self.hi, at, hi);
             match shared_origin {
                 None => {
+                    store3::<L>(&mut self.n, at, &n);
                     store3::<L>(&mut self.u, at, &e2);
                     store3::<L>(&mut self.v, at, &e1);
                     store3::<L>(&mut self.a, at, a);
@@ -85,11 +85,14 @@ impl Chunk {
                 Some(o) => {
                     let o = [L::splat(o.x), L::splat(o.y), L::splat(o.z)];
                     let c = sub3::<L>(a, &o);
-                    store3::<L>(&mut self.u, at, &cross3::<L>(&e2, &c));
-                    store3::<L>(&mut self.v, at, &cross3::<L>(&e1, &c));
                     let xy = L::add(L::mul(n[0], c[0]), L::mul(n[1], c[1]));
                     let nc = L::add(xy, L::mul(n[2], c[2]));
-                    L::store(self.a[0].as_mut_ptr().add(at), nc);
+                    // Hits have t > 0, so N·d has the sign of N·C. With that sign taken from all of
+                    // them, which changes no rounding, a hit has N·d, U and V of no sign.
+                    store3::<L>(&mut self.n, at, &flip3::<L>(&n, nc));
+                    store3::<L>(&mut self.u, at, &flip3::<L>(&cross3::<L>(&e2, &c), nc));
+                    store3::<L>(&mut self.v, at, &flip3::<L>(&cross3::<L>(&e1, &c), nc));
+                    L::store(self.a[0].as_mut_ptr().add(at), L::abs(nc));
                 }
             }
         }
@@ -100,6 +103,43 @@ impl Chunk {
         Aabb {
             min: corner(&self.lo),
             max: corner(&self.hi),
+        }
+    }
+
+    /// Lanes whose ray meets triangle `j`'s edges on their inner sides, wherever along it, and what
+    /// numerator and denominator of t are. NaN is outside.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
+    #[inline(always)]
+    pub unsafe fn inside<L: Lanes, const SHARED: bool>(
+        &self,
+        j: usize,
+        origin: &[L::F; 3],
+        direction: &[L::F; 3],
+    ) -> (L::M, L::F, L::F) {
+        // SAFETY: as promised.
+        unsafe {
+            let n = splat3::<L>(&self.n, j);
+            let den = dot::<L>(&n, direction);
+            let (u, v, numerator, den) = if SHARED {
+                let u = dot::<L>(&splat3::<L>(&self.u, j), direction);
+                let v = dot::<L>(&splat3::<L>(&self.v, j), direction);
+                (u, v, L::splat(*self.a[0].get_unchecked(j)), den)
+            } else {
+                let a = splat3::<L>(&self.a, j);
+                let c = sub3::<L>(&a, origin);
+                let r = cross_lanes::<L>(&c, direction);
+                let u = dot::<L>(&splat3::<L>(&self.u, j), &r);
+                let v = dot::<L>(&splat3::<L>(&self.v, j), &r);
+                let (u, v) = (L::flip_sign(u, den), L::flip_sign(v, den));
+                let numerator = L::flip_sign(dot::<L>(&n, &c), den);
+                (u, v, numerator, L::abs(den))
+            };
+            let zero = L::splat(0.0);
+            let inside = L::and(L::le(zero, u), L::le(zero, v));
+            let inside = L::and(inside, L::le(L::add(u, v), den));
+            (inside, numerator, den)
         }
     }
 
@@ -122,35 +162,12 @@ impl Chunk {
     ) -> (L::M, L::F) {
         // SAFETY: as promised.
         unsafe {
-            let n = splat3::<L>(&self.n, j);
-            let den = dot::<L>(&n, direction);
-            let (u, v, numerator) = if SHARED {
-                let u = dot::<L>(&splat3::<L>(&self.u, j), direction);
-                let v = dot::<L>(&splat3::<L>(&self.v, j), direction);
-                (u, v, L::splat(*self.a[0].get_unchecked(j)))
-            } else {
-                let a = splat3::<L>(&self.a, j);
-                let c = sub3::<L>(&a, origin);
-                let r = cross_lanes::<L>(&c, direction);
-                let u = dot::<L>(&splat3::<L>(&self.u, j), &r);
-                let v = dot::<L>(&splat3::<L>(&self.v, j), &r);
-                (u, v, dot::<L>(&n, &c))
-            };
-            let zero = L::splat(0.0);
-            let size = L::abs(den);
-            let (u, v) = (L::flip_sign(u, den), L::flip_sign(v, den));
-            // NaN fails these comparisons, as it should. A ray in the plane (den = 0) misses.
-            let inside = L::and(
-                L::and(L::le(zero, u), L::le(zero, v)),
-                L::and(L::le(L::add(u, v), size), L::lt(zero, size)),
-            );
-            let hit = L::and(inside, active);
-            if L::bits(hit) == 0 {
-                return (hit, zero);
-            }
-            let t = L::div(L::flip_sign(numerator, den), size);
+            let (inside, numerator, den) = self.inside::<L, SHARED>(j, origin, direction);
+            // A ray in the plane has den = 0, so that t is NaN or infinite: a miss.
+            let t = L::div(numerator, den);
             let in_reach = L::and(L::lt(tmin, t), L::le(t, tmax));
-            let hit = L::and(hit, L::and(in_reach, L::lt(t, L::splat(f32::INFINITY))));
+            let in_reach = L::and(in_reach, L::lt(t, L::splat(f32::INFINITY)));
+            let hit = L::and(L::and(inside, active), in_reach);
             if L::bits(hit) == 0 {
                 return (hit, t);
             }
@@ -191,6 +208,20 @@ unsafe fn store3<L: Lanes>(to: &mut [Numbers; 3], at: usize, v: &[L::F; 3]) {
 pub(super) unsafe fn sub3<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> [L::F; 3] {
     // SAFETY: as promised.
     unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
+}
+
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+unsafe fn flip3<L: Lanes>(v: &[L::F; 3], sign: L::F) -> [L::F; 3] {
+    // SAFETY: as promised.
+    unsafe {
+        [
+            L::flip_sign(v[0], sign),
+            L::flip_sign(v[1], sign),
+            L::flip_sign(v[2], sign),
+        ]
+    }
 }
 
 /// Cross product without fused operations.

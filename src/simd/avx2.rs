@@ -31,11 +31,14 @@ static COMPRESS: [[u32; N]; 1 << N] = {
 /// # Safety
 /// As for [`Lanes::gather4`].
 #[inline(always)]
-unsafe fn pair(base: *const [f32; 4], index: *const u32) -> __m256 {
+unsafe fn pair<const STRIDE: usize>(base: *const [f32; 4], index: *const u32) -> __m256 {
     // SAFETY: as promised.
     unsafe {
-        let v = _mm256_castps128_ps256(_mm_loadu_ps(base.add(*index as usize).cast()));
-        _mm256_insertf128_ps::<1>(v, _mm_loadu_ps(base.add(*index.add(4) as usize).cast()))
+        let v = _mm256_castps128_ps256(_mm_loadu_ps(base.add(STRIDE * *index as usize).cast()));
+        _mm256_insertf128_ps::<1>(
+            v,
+            _mm_loadu_ps(base.add(STRIDE * *index.add(4) as usize).cast()),
+        )
     }
 }
 
@@ -96,13 +99,16 @@ impl Lanes for Avx2 {
         unsafe { _mm256_mask_i32gather_ps::<4>(_mm256_setzero_ps(), base, index, mask) }
     }
     #[inline(always)]
-    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [__m256; 4] {
+    unsafe fn gather4<const STRIDE: usize>(
+        base: *const [f32; 4],
+        index: *const u32,
+    ) -> [__m256; 4] {
         unsafe {
             // Row j has records j and 4 + j; a transposition within its halves sorts the lanes.
-            let a = pair(base, index);
-            let b = pair(base, index.add(1));
-            let c = pair(base, index.add(2));
-            let d = pair(base, index.add(3));
+            let a = pair::<STRIDE>(base, index);
+            let b = pair::<STRIDE>(base, index.add(1));
+            let c = pair::<STRIDE>(base, index.add(2));
+            let d = pair::<STRIDE>(base, index.add(3));
             let (ab_lo, ab_hi) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
             let (cd_lo, cd_hi) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
             [

@@ -14,13 +14,22 @@ const N: usize = 16;
 /// # Safety
 /// As for [`Lanes::gather4`].
 #[inline(always)]
-unsafe fn quad(base: *const [f32; 4], index: *const u32) -> __m512 {
+unsafe fn quad<const STRIDE: usize>(base: *const [f32; 4], index: *const u32) -> __m512 {
     // SAFETY: as promised.
     unsafe {
-        let v = _mm512_castps128_ps512(_mm_loadu_ps(base.add(*index as usize).cast()));
-        let v = _mm512_insertf32x4::<1>(v, _mm_loadu_ps(base.add(*index.add(4) as usize).cast()));
-        let v = _mm512_insertf32x4::<2>(v, _mm_loadu_ps(base.add(*index.add(8) as usize).cast()));
-        _mm512_insertf32x4::<3>(v, _mm_loadu_ps(base.add(*index.add(12) as usize).cast()))
+        let v = _mm512_castps128_ps512(_mm_loadu_ps(base.add(STRIDE * *index as usize).cast()));
+        let v = _mm512_insertf32x4::<1>(
+            v,
+            _mm_loadu_ps(base.add(STRIDE * *index.add(4) as usize).cast()),
+        );
+        let v = _mm512_insertf32x4::<2>(
+            v,
+            _mm_loadu_ps(base.add(STRIDE * *index.add(8) as usize).cast()),
+        );
+        _mm512_insertf32x4::<3>(
+            v,
+            _mm_loadu_ps(base.add(STRIDE * *index.add(12) as usize).cast()),
+        )
     }
 }
 
@@ -69,14 +78,17 @@ impl Lanes for Avx512 {
         unsafe { _mm512_mask_i32gather_ps::<4>(_mm512_setzero_ps(), mask, index, base) }
     }
     #[inline(always)]
-    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [__m512; 4] {
+    unsafe fn gather4<const STRIDE: usize>(
+        base: *const [f32; 4],
+        index: *const u32,
+    ) -> [__m512; 4] {
         unsafe {
             // Row j has records j, 4 + j, 8 + j, 12 + j; a transposition within its quarters sorts
             // the lanes.
-            let a = quad(base, index);
-            let b = quad(base, index.add(1));
-            let c = quad(base, index.add(2));
-            let d = quad(base, index.add(3));
+            let a = quad::<STRIDE>(base, index);
+            let b = quad::<STRIDE>(base, index.add(1));
+            let c = quad::<STRIDE>(base, index.add(2));
+            let d = quad::<STRIDE>(base, index.add(3));
             let (ab_lo, ab_hi) = (_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
             let (cd_lo, cd_hi) = (_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
             [

@@ -42,9 +42,12 @@ pub(crate) trait Lanes: Copy {
     unsafe fn store_first(p: *mut f32, v: Self::F, n: usize);
     /// Lane `i` is `base[index[i]]` where the mask is set, 0 elsewhere; indices are below 2^31.
     unsafe fn gather(base: *const f32, index: Self::U, mask: Self::M) -> Self::F;
-    /// Four vectors from records of four floats: lane `i` of vector `k` is `base[index[i]][k]`, with
-    /// `N` indices from memory.
-    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [Self::F; 4];
+    /// Four vectors from records of four floats: lane `i` of vector `k` is
+    /// `base[STRIDE * index[i]][k]`, with `N` indices from memory.
+    unsafe fn gather4<const STRIDE: usize>(
+        base: *const [f32; 4],
+        index: *const u32,
+    ) -> [Self::F; 4];
     /// Two vectors from records of two floats: lane `i` of vector `k` is `base[index[i]][k]`, with `N`
     /// indices from memory.
     unsafe fn gather2(base: *const [f32; 2], index: *const u32) -> [Self::F; 2];

@@ -45,8 +45,11 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
-    unsafe fn gather4(base: *const [f32; 4], index: *const u32) -> [Self::F; 4] {
-        from_fn(|k| from_fn(|i| unsafe { (*base.add(*index.add(i) as usize))[k] }))
+    unsafe fn gather4<const STRIDE: usize>(
+        base: *const [f32; 4],
+        index: *const u32,
+    ) -> [Self::F; 4] {
+        from_fn(|k| from_fn(|i| unsafe { (*base.add(STRIDE * *index.add(i) as usize))[k] }))
     }
 
     #[inline(always)]

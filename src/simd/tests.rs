@@ -356,9 +356,17 @@ mod of {
                 }
             }
             let index: [u32; MAX_LANES] = from_fn(at);
-            let quads = L::gather4(records.as_ptr(), index.as_ptr());
+            let quads = L::gather4::<1>(records.as_ptr(), index.as_ptr());
             for (k, v) in quads.into_iter().enumerate() {
                 let expected: Vec<f32> = (0..L::N).map(|i| records[at(i) as usize][k]).collect();
+                assert_eq!(floats::<L>(v), expected);
+            }
+            let half = index.map(|i| i / 2);
+            let other = L::gather4::<2>(records.as_ptr(), half.as_ptr());
+            for (k, v) in other.into_iter().enumerate() {
+                let expected: Vec<f32> = (0..L::N)
+                    .map(|i| records[2 * half[i] as usize][k])
+                    .collect();
                 assert_eq!(floats::<L>(v), expected);
             }
             let pairs: Vec<[f32; 2]> = records.iter().map(|r| [r[1], r[3]]).collect();

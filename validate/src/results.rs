@@ -73,6 +73,9 @@ pub struct Cell {
     pub hit_hash: String,
     /// Validation.
     pub diff: Diff,
+    /// With `terminate_as_printed`: rays whose hit is another than without, which are wrong.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub printed_rule_wrong: Option<u64>,
     /// Embree's times on the same rays.
     pub embree: Option<EmbreeTimes>,
     /// `embree.best_ms / median_ms`.
@@ -102,8 +105,21 @@ pub struct CellKey {
     pub method: String,
     /// Name of the precision.
     pub precision: String,
-    /// All parameters of the method.
+    /// All parameters of the method; of Mora's also the `variant` that was taken.
     pub parameters: Map<String, Value>,
+}
+
+impl CellKey {
+    /// Whether both name the same cell. The variant does not count: method and rays decide it, but
+    /// only the trace shows whether the rays share an origin.
+    pub fn is(&self, other: &CellKey) -> bool {
+        let without_variant = |key: &CellKey| {
+            let mut key = key.clone();
+            key.parameters.remove("variant");
+            key
+        };
+        without_variant(self) == without_variant(other)
+    }
 }
 
 /// Embree on the rays of a cell. Keys: of `build_ms` the quality; of the traces quality and query.
@@ -286,6 +302,6 @@ impl Document {
 
     /// The cell of this key, if it is finished.
     pub fn finished(&self, key: &CellKey) -> Option<&Cell> {
-        self.cells.iter().find(|cell| cell.key == *key)
+        self.cells.iter().find(|cell| cell.key.is(key))
     }
 }

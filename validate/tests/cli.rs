@@ -8,7 +8,7 @@ use std::path::Path;
 #[test]
 fn help_is_there_for_every_command() {
     let folder = Folder::new();
-    for command in ["", "run", "trace", "render", "scenes", "env"] {
+    for command in ["", "run", "paper", "trace", "render", "scenes", "env"] {
         let help = folder.dacrt(&format!("{command} --help"));
         let text = help.exits(0).stdout();
         assert!(text.contains("Usage: dacrt"), "{text}");
@@ -33,6 +33,14 @@ fn trace_writes_hits() {
     );
     assert_eq!(run.stdout().lines().count(), 1);
     assert!(contains(&folder.path("h.npz"), b"prim.npy"));
+    for method in ["afra2012", "mora2011", "mora2011-cones", "mora2011-random"] {
+        let run = folder.dacrt(&format!(
+            "trace --mesh m.obj --rays r.npy --method {method} --out other.npz"
+        ));
+        assert!(run.exits(0).stdout().starts_with("2 rays, 1 hit, "));
+        let bytes = ["h.npz", "other.npz"].map(|name| std::fs::read(folder.path(name)).unwrap());
+        assert!(bytes[0] == bytes[1], "{method}");
+    }
 
     let run = folder.dacrt(&format!(
         "{trace} --any-hit --isa portable --counters --out o.npz"
@@ -81,6 +89,13 @@ fn pictures() {
         .exits(0);
     assert_size(&folder.path("p/q/tiny-depth.png"), 9, 9);
     folder
+        .dacrt(
+            "render ./tiny.json --resolution 9 --out m --what depth,boxes --method mora2011-cones",
+        )
+        .exits(0);
+    let read = |name| std::fs::read(folder.path(name)).unwrap();
+    assert!(read("p/q/tiny-depth.png") == read("m/tiny-depth.png"));
+    folder
         .dacrt("render ./tiny.json --resolution 9 --out x.png --spp 1")
         .exits(0);
     assert_size(&folder.path("x.png"), 9, 9);
@@ -111,7 +126,10 @@ fn run_measures_and_writes_every_cell() {
         text.lines().all(|line| line.chars().count() <= 100),
         "{text}"
     );
-    assert_eq!(run.stderr(), "", "no progress bar without a terminal");
+    // And no progress bar without a terminal.
+    let warning = "warning: no acceleration ratio of Mora's methods without an afra2012 cell with \
+                   all of its defaults\n";
+    assert_eq!(run.stderr(), warning);
 
     let document = folder.json("out.json");
     assert_eq!(document["schema"], 1);
@@ -121,21 +139,31 @@ fn run_measures_and_writes_every_cell() {
     );
     assert_eq!(document["command"][0], "dacrt");
     let cells = document["cells"].as_array().unwrap();
-    // Two sizes, two ray types; 2 cells of the baseline, 4 of ray sampling.
-    assert_eq!(cells.len(), 2 * 2 * (2 + 4));
+    // Two sizes; 2 cells of the baseline, 4 of ray sampling; of Mora's methods two for primary rays,
+    // and one for diffuse ones, where they are the same.
+    assert_eq!(cells.len(), 2 * ((2 + 4 + 2) + (2 + 4 + 1)));
     for cell in cells {
         assert_eq!(cell["scene"], "tiny");
         assert_eq!(cell["samples_ms"].as_array().unwrap().len(), 2);
-        assert!(cell["acceleration_ratio"].as_f64().unwrap() > 0.0);
+        let of_mora = cell["method"].as_str().unwrap().starts_with("mora");
+        // The baseline with its defaults is not in this run.
+        assert_eq!(cell["acceleration_ratio"].is_null(), of_mora);
         assert!(cell["ratio_embree_total"].as_f64().unwrap() > 0.0);
         assert_eq!(cell["diff"]["unexplained"], 0);
         assert_eq!(cell["embree"]["build_ms"].as_object().unwrap().len(), 3);
         assert_eq!(cell["embree"]["trace_ms"].as_object().unwrap().len(), 9);
         let same_rays = cells.iter().filter(|c| c["ray_hash"] == cell["ray_hash"]);
-        assert_eq!(same_rays.clone().count(), 6);
+        let primary = cell["rays"] == "primary";
+        assert_eq!(same_rays.clone().count(), if primary { 8 } else { 7 });
         assert!(same_rays.clone().all(|c| c["hit_hash"] == cell["hit_hash"]));
         let is_baseline = cell["method"] == "afra2012";
-        assert_eq!(cell["parameters"].get("samples").is_none(), is_baseline);
+        assert_eq!(
+            cell["parameters"].get("samples").is_none(),
+            is_baseline || of_mora
+        );
+        let variant = cell["parameters"].get("variant");
+        assert_eq!(variant.is_some(), of_mora);
+        assert!(primary || !of_mora || variant.unwrap() == "random");
         assert_eq!(cell["parameters"].get("sah_ratio").is_some(), is_baseline);
     }
     assert_eq!(cells[0]["ray_count"], 16 * 16 * 4);
@@ -164,7 +192,8 @@ fn without_the_baseline_there_is_no_acceleration_ratio() {
 #[test]
 fn resume_keeps_what_is_finished() {
     let folder = Folder::new();
-    let run = "run --scenes ./tiny.json --resolution 8 --repeats 1 --out out.json --rays";
+    let run = "run --scenes ./tiny.json --resolution 8 --repeats 1 --out out.json \
+               --methods afra2012,nabata2013 --rays";
     folder.dacrt(&format!("{run} primary")).exits(0);
     let first = folder.json("out.json")["cells"].take();
     let again = folder.dacrt(&format!("{run} primary,random --resume"));
@@ -187,6 +216,53 @@ fn resume_keeps_what_is_finished() {
         .dacrt(&format!("{run} primary --resume"))
         .refuses(&["out.json"]);
     folder.dacrt(&format!("{run} primary")).exits(0);
+}
+
+/// Which variant of Mora's method a batch takes shows only when it is traced.
+#[test]
+fn resume_knows_a_cell_whatever_variant_it_took() {
+    let folder = Folder::new();
+    let run = "run --scenes ./tiny.json --resolution 8 --repeats 1 --out out.json --resume \
+               --rays primary,diffuse-1 --methods mora2011,mora2011-cones,mora2011-random";
+    folder.dacrt(run).exits(0);
+    let first = folder.json("out.json");
+    let cells = first["cells"].as_array().unwrap();
+    let variants: Vec<_> = (cells.iter().map(|cell| &cell["parameters"]["variant"])).collect();
+    assert_eq!(
+        variants,
+        ["basic", "cones", "random", "random", "random", "random"]
+    );
+    folder.dacrt(run).exits(0);
+    assert_eq!(folder.json("out.json")["cells"], first["cells"]);
+}
+
+#[test]
+fn the_printed_rule_of_termination_has_its_wrong_rays_counted() {
+    let folder = Folder::new();
+    let run = folder.dacrt(
+        "run --scenes hall --resolution 64 --rays primary --repeats 1 --out out.json \
+         --methods nabata2013,mora2011 --terminate-as-printed false,true",
+    );
+    let text = run.exits(1).stdout();
+    let cells = folder.json("out.json")["cells"].take();
+    for right in [&cells[0], &cells[1]] {
+        assert!(right.get("printed_rule_wrong").is_none());
+        assert!(right["median_ms"].as_f64().unwrap() > 0.0);
+    }
+    let printed = &cells[2];
+    assert_eq!(printed["parameters"]["terminate_as_printed"], true);
+    let wrong = printed["printed_rule_wrong"].as_u64().unwrap();
+    assert!(wrong > 0 && printed["diff"]["unexplained"].as_u64().unwrap() > 0);
+    assert!(printed["median_ms"].is_null());
+    let line = format!("wrong by the printed rule: {wrong} of 4,096 rays\n");
+    assert_eq!(text.matches(&line).count(), 1, "{text}");
+    assert!(
+        text.ends_with("--terminate-as-printed true is for\n"),
+        "{text}"
+    );
+    let warnings = run.stderr();
+    assert_eq!(warnings.lines().count(), 1, "{warnings}");
+    assert!(warnings.contains("--terminate-as-printed"), "{warnings}");
 }
 
 #[test]
@@ -262,8 +338,13 @@ fn a_view_of_nothing_is_no_finding() {
     assert!(!run.exits(0).stdout().contains("WRONG"), "{}", run.stdout());
     let cells = folder.json("out.json")["cells"].take();
     assert_eq!(cells[0]["hits"], 0);
-    assert_eq!(cells[2]["ray_count"], 0);
-    assert!(cells[2]["median_ms"].is_null());
+    let shadow = cells.as_array().unwrap().iter();
+    let shadow: Vec<_> = shadow.filter(|c| c["rays"] == "shadow-point").collect();
+    assert!(!shadow.is_empty());
+    for cell in shadow {
+        assert_eq!(cell["ray_count"], 0);
+        assert!(cell["median_ms"].is_null());
+    }
 }
 
 #[test]

@@ -89,6 +89,15 @@ fn usage_errors() {
         &["--sample-middle", "true or false"],
     );
     refuses("run --axes both", &["--axes", "longest"]);
+    refuses("run --ray-limit 0", &["--ray-limit", "at least 1"]);
+    refuses("run --octants 2", &["--octants", "true or false"]);
+    refuses("run --cone-limit x", &["--cone-limit", "whole number"]);
+    refuses("run --variant random", &["--variant"]);
+    refuses("run --methods mora2011-cone", &["\"mora2011-cones\""]);
+    refuses(
+        "render ./tiny.json --method mora2011 --bins 8",
+        &["mora2011 has no such parameter", "--bins"],
+    );
     refuses("run --scenes", &["--scenes"]);
     refuses("render sibenick", &["\"sibenik\""]);
     refuses("render ./tiny.json --bins 8,16", &["--bins", "one value"]);

@@ -13,7 +13,7 @@ fn shape() -> Value {
         "nodes": 0, "leaves": 0, "ray_box": 0, "group_box": 0, "cone_box": 0, "triangle_box": 0,
         "ray_triangle": 0, "binned_triangles": 0, "sample_box": 0, "sampled_nodes": 0,
         "sah_nodes": 0, "middle_nodes": 0, "skips_near": 0, "skips_far": 0,
-        "skipped_rays_that_miss": 0, "terminated_rays": 0, "peak_list": 0,
+        "skipped_rays_that_miss": 0, "terminated_rays": 0, "duplicates": 0, "peak_list": 0,
     });
     // Null until there is an exact arbiter.
     let diff = json!({
@@ -46,7 +46,7 @@ fn shape() -> Value {
         "cells": [{
             "scene": "", "triangles": 0, "dropped_triangles": 0, "camera": "", "resolution": [0],
             "spp": 0, "rays": "", "ray_count": 0, "ray_hash": "", "any_hit": false, "method": "",
-            "precision": "", "parameters": { "bins": 0, "leaf_triangles": 0, "leaf_rays": 0 },
+            "precision": "", "parameters": {},
             "samples_ms": [0.0], "median_ms": 0.0, "mrays_per_s": 0.0, "acceleration_ratio": 0.0,
             "acceleration_interval": [0.0], "counters": counters, "workspace_bytes": 0, "hits": 0,
             "hit_hash": "",
@@ -107,7 +107,7 @@ fn a_run_writes_all_keys_that_bind() {
     folder.dacrt(run).exits(0);
     let document = folder.json("out.json");
     check("document", &document, &shape());
-    assert_eq!(document["cells"].as_array().unwrap().len(), 2 * 3 * 2);
+    assert_eq!(document["cells"].as_array().unwrap().len(), 2 * (4 + 4 + 3));
 
     let command: Vec<&str> = std::iter::once("dacrt").chain(run.split(' ')).collect();
     assert_eq!(document["command"], json!(command));
@@ -121,6 +121,12 @@ fn a_run_writes_all_keys_that_bind() {
         "{library}"
     );
     for cell in document["cells"].as_array().unwrap() {
+        let place = format!("parameters of {}", cell["method"]);
+        let parameters = match cell["method"].as_str().unwrap().starts_with("mora") {
+            true => json!({ "variant": "", "ray_limit": 0, "triangle_limit": 0 }),
+            false => json!({ "bins": 0, "leaf_triangles": 0, "leaf_rays": 0 }),
+        };
+        check(&place, &cell["parameters"], &parameters);
         let number = |key: &str| cell[key].as_f64().unwrap();
         let per_s = number("ray_count") / number("median_ms") / 1e3;
         approx::assert_relative_eq!(number("mrays_per_s"), per_s, max_relative = 1e-12);

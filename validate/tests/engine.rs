@@ -2,7 +2,7 @@
 
 use dacrt::scene::generators::generate;
 use dacrt::workloads::{Camera, Film, RayType, Workload};
-use dacrt::{Batch, Hits, Mesh, Method, Tracer, Workspace};
+use dacrt::{Batch, Hits, Mesh, Method, Tracer};
 use dacrt_validate::diff::{Checker, Diff};
 use dacrt_validate::embree::{Device, Quality, Query, Scene};
 use dacrt_validate::hash::hit_hash;
@@ -11,8 +11,8 @@ use glam::DVec3;
 
 fn trace(mesh: &Mesh, batch: &Batch) -> Hits {
     let mut hits = Hits::misses(batch.len());
-    let mut workspace = Workspace::new(batch.len(), mesh.len());
     let tracer = Tracer::new(Method::Nabata2013.parameters());
+    let mut workspace = tracer.workspace(batch.len(), mesh.len());
     tracer.nearest(mesh, batch, &mut workspace, &mut hits);
     hits
 }
@@ -21,8 +21,8 @@ fn check(judge: &Judge, [fast, robust]: &[Scene; 2], batch: &Batch, any_hit: boo
     let n = batch.len();
     if any_hit {
         let [mut ours, mut of_fast, mut of_robust] = [(); 3].map(|()| vec![0; n]);
-        let mut workspace = Workspace::new(n, judge.mesh().len());
         let tracer = Tracer::new(Method::Nabata2013.parameters());
+        let mut workspace = tracer.workspace(n, judge.mesh().len());
         tracer.any(judge.mesh(), batch, &mut workspace, &mut ours);
         fast.any(batch, Query::Packet16, &mut of_fast);
         robust.any(batch, Query::Packet16, &mut of_robust);

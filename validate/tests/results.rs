@@ -92,6 +92,7 @@ fn cell(method: &str) -> Cell {
             unexplained: 0,
             offending: vec![offender],
         },
+        printed_rule_wrong: None,
         embree: Some(EmbreeTimes {
             best_ms: 2.0,
             best_trace_ms: 1.0,
@@ -261,6 +262,30 @@ fn a_run_resumes_its_finished_cells() {
     let mut other = key("afra2012");
     other.parameters.insert("bins".into(), 16.into());
     assert!(again.finished(&other).is_none());
+}
+
+/// The plan says which variant a method is for, the result which one the rays made it take.
+#[test]
+fn a_cell_is_found_whatever_variant_it_took() {
+    let with = |variant: &str, ray_limit: u32| {
+        let parameters = json!({"variant": variant, "ray_limit": ray_limit});
+        CellKey {
+            parameters: parameters.as_object().unwrap().clone(),
+            ..key("mora2011")
+        }
+    };
+    let finished = Cell {
+        key: with("random", 20),
+        ..cell("mora2011")
+    };
+    let document = Document {
+        cells: vec![finished],
+        ..document()
+    };
+    assert!(document.finished(&with("basic", 20)).is_some());
+    assert!(document.finished(&with("basic", 19)).is_none());
+    let text = serde_json::to_string(&document).unwrap();
+    assert!(text.contains("\"variant\":\"random\"") && !text.contains("printed_rule_wrong"));
 }
 
 #[test]

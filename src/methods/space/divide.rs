@@ -4,7 +4,7 @@ use super::SpaceParameters;
 use super::cell::{Cell, Split};
 use crate::geometry::Aabb;
 use crate::kernels::{
-    Cones, Directions, Kernels, Listed, Overlap, Range, RayRecords, Side, TriangleLists,
+    Cones, Directions, Done, Kernels, Listed, Overlap, Range, RayRecords, Side, TriangleLists,
 };
 use crate::methods::Counters;
 
@@ -148,15 +148,16 @@ impl Divide<'_> {
             len: part.triangles,
             duplicates: &mut self.counters.duplicates,
         };
+        let when = match (self.order, self.parameters.terminate_as_printed) {
+            (Order::Majority, _) => Done::Never,
+            (_, false) => Done::BeforeExit,
+            (_, true) => Done::Hit,
+        };
         // SAFETY: the processor was checked, lists are those of batch and mesh.
-        unsafe { (self.kernels.naive_indexed)(&self.rays, list, triangles) };
-        if self.order != Order::Majority {
-            let as_printed = self.parameters.terminate_as_printed;
-            // SAFETY: as above.
-            let done =
-                unsafe { (self.kernels.keep_done)(&self.rays, list, &cell.bounds, as_printed) };
-            self.terminated += done;
-            self.counters.terminated_rays += done as u64;
-        }
+        let pivot = unsafe {
+            (self.kernels.naive_indexed)(&self.rays, list, triangles, &cell.bounds, when)
+        };
+        self.counters.terminated_rays += (pivot - self.terminated) as u64;
+        self.terminated = pivot;
     }
 }

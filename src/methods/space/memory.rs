@@ -1,18 +1,24 @@
 //! The memory of a trace that splits space.
 
-use crate::kernels::{Cones, LEAST_PACKET, RayRecords, TriangleLists};
+use crate::kernels::{Cones, LEAST_PACKET, RAYS_AHEAD, RayRecords, TriangleLists};
+use crate::rays::Batch;
 use crate::simd::MAX_LANES;
 use glam::Vec3;
+
+/// Two records in one cache line.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+struct Pair([[f32; 4]; 2]);
 
 /// Memory for traces of up to a number of rays and triangles.
 pub(in crate::methods) struct Memory {
     spans: [Vec<[f32; 2]>; 3],
     rest: Vec<[f32; 4]>,
     triangle_ids: Vec<u32>,
-    /// Inverse direction and best t, direction and tmin, origin of each ray.
-    slabs: Vec<[f32; 4]>,
+    /// Inverse direction and best t of each ray, and where it is its own, its origin.
+    slabs: Vec<Pair>,
+    /// Direction and best triangle of each ray.
     directions: Vec<[f32; 4]>,
-    origins: Vec<[f32; 4]>,
     ray_ids: Vec<u32>,
     cones: Vec<[f32; 4]>,
     cone_rays: Vec<[u32; 2]>,
@@ -28,16 +34,14 @@ fn most_cones(rays: usize) -> usize {
 impl Memory {
     pub fn new(rays: usize, triangles: usize) -> Memory {
         let spans = || vec![[0.0; 2]; triangles];
-        let records = || vec![[0.0; 4]; rays];
         let cones = most_cones(rays);
         Memory {
             spans: [spans(), spans(), spans()],
             rest: vec![[0.0; 4]; triangles],
             triangle_ids: vec![0; triangles + MAX_LANES],
-            slabs: records(),
-            directions: records(),
-            origins: records(),
-            ray_ids: vec![0; rays + MAX_LANES],
+            slabs: vec![Pair([[0.0; 4]; 2]); rays],
+            directions: vec![[0.0; 4]; rays],
+            ray_ids: vec![0; rays + RAYS_AHEAD],
             cones: vec![[0.0; 4]; cones],
             cone_rays: vec![[0; 2]; cones],
             cone_ids: vec![0; cones + MAX_LANES],
@@ -54,7 +58,7 @@ impl Memory {
             + rays * a_ray
             + most_cones(rays) * a_cone
             + words * size_of::<u64>()
-            + 3 * MAX_LANES * size_of::<u32>()
+            + (2 * MAX_LANES + RAYS_AHEAD) * size_of::<u32>()
     }
 
     /// The lists of triangles.
@@ -69,19 +73,20 @@ impl Memory {
     /// The records of rays, of which nothing is known yet.
     pub(super) fn rays(
         &mut self,
+        batch: &Batch,
         shared_origin: Option<Vec3>,
-        prim: Option<*mut u32>,
+        any_hit: bool,
     ) -> RayRecords {
         RayRecords {
-            slabs: self.slabs.as_mut_ptr(),
+            slabs: self.slabs.as_mut_ptr().cast(),
             directions: self.directions.as_mut_ptr(),
-            origins: self.origins.as_mut_ptr(),
-            prim: prim.unwrap_or(std::ptr::null_mut()),
+            tmin: batch.tmin.as_ptr(),
             ids: self.ray_ids.as_mut_ptr(),
             shared_origin,
             special: false,
             least_tmin: 0.0,
-            any_hit: prim.is_none(),
+            one_tmin: false,
+            any_hit,
         }
     }
 
@@ -95,8 +100,15 @@ impl Memory {
         }
     }
 
-    /// Best t of the rays in their order.
-    pub(super) fn best(&self) -> impl Iterator<Item = f32> + '_ {
-        self.slabs.iter().map(|slab| slab[3])
+    /// Best t and triangle of the rays in their order, after a trace of a batch that shares its origin
+    /// or not.
+    pub(super) fn best(&self, shared_origin: bool) -> impl Iterator<Item = (f32, u32)> + '_ {
+        // SAFETY: a pair is two records.
+        let slabs = unsafe {
+            std::slice::from_raw_parts(self.slabs.as_ptr().cast::<[f32; 4]>(), 2 * self.slabs.len())
+        };
+        let records = slabs.iter().step_by(if shared_origin { 1 } else { 2 });
+        let records = records.zip(&self.directions);
+        records.map(|(slab, direction)| (slab[3], direction[3].to_bits()))
     }
 }

@@ -62,29 +62,37 @@ impl Divide<'_> {
     /// are.
     fn flush(&mut self, cell: &Cell, part: Part) {
         let before = self.terminated;
-        let mut rays = before;
-        let cones = self.terminated_cones..part.rays;
-        // SAFETY: indices are those of cones of the batch; its rays have room in their list, for each
-        // is either done or in one cone.
-        unsafe {
-            for i in cones.clone() {
-                let cone = *self.cones.ids.add(i);
-                let [first, _] = *self.cones.rays.add(cone as usize);
-                let mut active = !self.cones.bits(cone);
-                while active != 0 {
-                    *self.rays.ids.add(rays) = first + active.trailing_zeros();
-                    rays += 1;
-                    active &= active - 1;
-                }
+        let cones = Range {
+            from: self.terminated_cones,
+            to: part.rays,
+        };
+        // SAFETY: the processor was checked. The rays have room in their list, for each is either
+        // done or in one cone.
+        let rays = unsafe { (self.kernels.flush)(&self.cones, cones, &self.rays, before) };
+        let rays = match self.parameters.filter_flushed {
+            true => {
+                before
+                    + self
+                        .filter_rays(
+                            cell,
+                            Range {
+                                from: before,
+                                to: rays,
+                            },
+                        )
+                        .0
             }
+            false => rays,
+        };
+        if rays > before {
+            self.divide(cell, Part { rays, ..part });
         }
-        self.divide(cell, Part { rays, ..part });
-        // SAFETY: as above.
+        // SAFETY: indices are those of rays and cones of the batch.
         unsafe {
             for i in before..self.terminated {
                 self.cones.end(*self.rays.ids.add(i));
             }
-            for i in cones {
+            for i in cones.from..cones.to {
                 let cone = *self.cones.ids.add(i);
                 if self.cones.bits(cone) == !0 {
                     let first = self.cones.ids.add(self.terminated_cones);

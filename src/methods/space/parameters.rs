@@ -29,6 +29,9 @@ pub struct SpaceParameters {
     pub triangle_limit: u32,
     /// cLimit: a cell with fewer cones than this goes on with their rays. No value in the paper.
     pub cone_limit: u32,
+    /// Whether rays that come out of cones are filtered by the cell first. Algorithm 2 goes on with all
+    /// rays of the cones.
+    pub filter_flushed: bool,
     /// A cell with at least so many triangles is split at the estimate of section 3.6, any other in
     /// the middle; 10,000 there.
     pub estimate_from: u32,
@@ -49,11 +52,12 @@ pub struct SpaceParameters {
 
 impl SpaceParameters {
     /// Names of the fields.
-    pub(in crate::methods) const FIELDS: [&str; 10] = [
+    pub(in crate::methods) const FIELDS: [&str; 11] = [
         "variant",
         "ray_limit",
         "triangle_limit",
         "cone_limit",
+        "filter_flushed",
         "estimate_from",
         "estimate_stride",
         "nine_axes_below",
@@ -68,6 +72,7 @@ impl SpaceParameters {
         ray_limit: 20,
         triangle_limit: 16,
         cone_limit: 16,
+        filter_flushed: true,
         estimate_from: 10_000,
         estimate_stride: 50,
         nine_axes_below: 100,

@@ -13,19 +13,16 @@ pub(in crate::methods) fn trace(
     job: &Job,
     parameters: &SpaceParameters,
     memory: &mut Memory,
-    mut answer: Answer,
+    answer: Answer,
 ) -> Trace {
     let (batch, kernels) = (job.batch, job.kernels);
     let variant = match job.shared_origin {
         Some(_) => parameters.variant,
         None => Variant::Random,
     };
-    let prim = match &mut answer {
-        Answer::Nearest(hits) => Some(hits.prim.as_mut_ptr()),
-        Answer::Any(_) => None,
-    };
+    let any_hit = matches!(answer, Answer::Any(_));
     let (lists, cones) = (memory.lists(), memory.cones());
-    let mut rays = memory.rays(job.shared_origin, prim);
+    let mut rays = memory.rays(batch, job.shared_origin, any_hit);
     // SAFETY: the processor was checked; the memory has room for batch and mesh.
     let (of_rays, of_triangles) = unsafe {
         (
@@ -35,6 +32,7 @@ pub(in crate::methods) fn trace(
     };
     rays.special = of_rays.special;
     rays.least_tmin = of_rays.least_tmin;
+    rays.one_tmin = of_rays.one_tmin;
 
     let mut divide = Divide {
         kernels,
@@ -91,22 +89,24 @@ pub(in crate::methods) fn trace(
         }
     }
     let counters = divide.counters;
+    let shared = job.shared_origin.is_some();
     match answer {
         Answer::Nearest(hits) => {
-            let hits = hits.t.iter_mut().zip(&hits.prim);
-            for ((t, &prim), best) in hits.zip(memory.best()) {
-                *t = if prim == MISS { f32::INFINITY } else { best };
+            let hits = hits.t.iter_mut().zip(&mut hits.prim);
+            for ((t, prim), (best, found)) in hits.zip(memory.best(shared)) {
+                *prim = found;
+                *t = if found == MISS { f32::INFINITY } else { best };
             }
         }
         Answer::Any(occluded) => {
-            for (occluded, best) in occluded.iter_mut().zip(memory.best()) {
+            for (occluded, (best, _)) in occluded.iter_mut().zip(memory.best(shared)) {
                 *occluded = (best == OCCLUDED) as u8;
             }
         }
     }
     Trace {
         counters,
-        shared_origin: job.shared_origin.is_some(),
+        shared_origin: shared,
         invalid_rays: (batch.len() - of_rays.valid) as u64,
         variant: Some(variant),
     }

@@ -1,6 +1,6 @@
-//! A tracer with its mesh and memory, for one batch after the other.
+//! Tracers with their memory.
 
-use dacrt::{Batch, Hits, Mesh, Trace, Tracer, Workspace};
+use dacrt::{Batch, Hits, Mesh, Parameters, Trace, Tracer, Workspace};
 
 /// Traces batches of any size; the workspace grows when a batch needs it.
 pub struct Engine<'a> {
@@ -13,9 +13,9 @@ pub struct Engine<'a> {
 impl<'a> Engine<'a> {
     pub fn new(tracer: Tracer, mesh: &'a Mesh) -> Engine<'a> {
         Engine {
+            workspace: tracer.workspace(0, mesh.len()),
             tracer,
             mesh,
-            workspace: Workspace::new(0, mesh.len()),
             rays: 0,
         }
     }
@@ -38,8 +38,58 @@ impl<'a> Engine<'a> {
 
     fn make_room(&mut self, rays: usize) {
         if rays > self.rays {
-            self.workspace = Workspace::new(rays, self.mesh.len());
+            self.workspace = self.tracer.workspace(rays, self.mesh.len());
             self.rays = rays;
         }
+    }
+}
+
+/// Memory for traces of one size by any method: a workspace for each kind of parameters, made when
+/// it is first needed.
+pub struct Workspaces {
+    rays: usize,
+    triangles: usize,
+    made: Vec<Workspace>,
+}
+
+impl Workspaces {
+    pub fn new(rays: usize, triangles: usize) -> Workspaces {
+        Workspaces {
+            rays,
+            triangles,
+            made: Vec::new(),
+        }
+    }
+
+    /// The one for these parameters.
+    pub fn of(&mut self, parameters: &Parameters) -> &mut Workspace {
+        let (rays, triangles) = (self.rays, self.triangles);
+        let suits = |w: &Workspace| w.suits(parameters, rays, triangles);
+        let place = self.made.iter().position(suits).unwrap_or_else(|| {
+            self.made.push(Workspace::new(parameters, rays, triangles));
+            self.made.len() - 1
+        });
+        &mut self.made[place]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dacrt::Method;
+
+    #[test]
+    fn each_kind_of_parameters_has_one_workspace() {
+        let mut workspaces = Workspaces::new(100, 1000);
+        for method in Method::ALL {
+            let parameters = method.parameters();
+            let bytes = workspaces.of(&parameters).bytes();
+            assert_eq!(
+                bytes,
+                Workspace::bytes_for(&parameters, 100, 1000),
+                "{method}"
+            );
+        }
+        assert_eq!(workspaces.made.len(), 2);
     }
 }

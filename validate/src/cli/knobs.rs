@@ -2,14 +2,15 @@
 
 use anyhow::{Context, anyhow, bail, ensure};
 use clap::{Arg, ArgMatches, Command};
-use dacrt::{Method, Parameters};
+use dacrt::{Method, ObjectParameters, Parameters, SpaceParameters};
 use serde_json::{Map, Value};
 
 /// A field of [`Parameters`], `-` for `_`, and what it means.
 type Knob = (&'static str, &'static str);
 
-/// All fields, those with a name of their own in the papers first.
-const KNOBS: [Knob; 19] = [
+/// All fields but `variant`, which the method decides; for each of the two kinds of methods those
+/// with a name of their own in the papers first.
+const KNOBS: [Knob; 28] = [
     ("bins", "Bins that a node's triangles are sorted into"),
     ("samples", "Sample rays of a node"),
     (
@@ -65,6 +66,42 @@ const KNOBS: [Knob; 19] = [
         "second-sample",
         "Estimate the ratios by a second sample: true or false",
     ),
+    (
+        "ray-limit",
+        "rLimit: rays below which a cell is solved by the naive step",
+    ),
+    (
+        "triangle-limit",
+        "pLimit: triangles below which a cell is solved by the naive step",
+    ),
+    (
+        "cone-limit",
+        "cLimit: cones below which a cell goes on with their rays",
+    ),
+    (
+        "estimate-from",
+        "Triangles from which on a cell is split at an estimate, not in the middle",
+    ),
+    (
+        "estimate-stride",
+        "The estimate looks at one triangle in so many",
+    ),
+    (
+        "nine-axes-below",
+        "Triangles below which they are tested on nine more axes; 0 never does",
+    ),
+    (
+        "plane-test",
+        "Test the planes of triangles against cells, too: true or false",
+    ),
+    (
+        "terminate-as-printed",
+        "End a ray at any hit in a cell, which is wrong, to count how often: true or false",
+    ),
+    (
+        "octants",
+        "Rays of many origins: once for each octant, front to back: true or false",
+    ),
 ];
 
 /// The field that an option stands for.
@@ -91,13 +128,18 @@ fn with(parameters: &Parameters, knob: &str, text: &str) -> anyhow::Result<Param
     // What is no number and no truth value is a word.
     let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
     let before = all.insert(field(knob), value);
-    let changed: Parameters =
-        serde_json::from_value(Value::Object(all)).map_err(|error| match before {
-            Some(Value::Number(n)) if n.is_u64() => anyhow!("expected a whole number"),
-            Some(Value::Number(_)) => anyhow!("expected a number"),
-            Some(Value::Bool(_)) => anyhow!("expected true or false"),
-            _ => error.into(),
-        })?;
+    let all = Value::Object(all);
+    // Each kind of parameters by itself: an error of an untagged enum says nothing.
+    let changed = match parameters {
+        Parameters::Object(_) => serde_json::from_value::<ObjectParameters>(all).map(Into::into),
+        Parameters::Space(_) => serde_json::from_value::<SpaceParameters>(all).map(Into::into),
+    };
+    let changed: Parameters = changed.map_err(|error| match before {
+        Some(Value::Number(n)) if n.is_u64() => anyhow!("expected a whole number"),
+        Some(Value::Number(_)) => anyhow!("expected a number"),
+        Some(Value::Bool(_)) => anyhow!("expected true or false"),
+        _ => error.into(),
+    })?;
     changed.check()?;
     // Beyond the largest float32.
     ensure!(
@@ -120,23 +162,46 @@ fn methods_with(knob: &str) -> impl Iterator<Item = Method> {
     Method::ALL.into_iter().filter(move |m| m.has(&field))
 }
 
+/// `a`, `a and b`, `a, b and c`.
+fn listed(methods: &[Method]) -> String {
+    let names: Vec<&str> = methods.iter().map(|m| m.name()).collect();
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
 /// The values typed for each parameter; a parameter that was not typed has none.
 #[derive(Clone, Debug, Default)]
 pub struct KnobLists(Vec<(&'static str, Vec<String>)>);
 
 impl clap::Args for KnobLists {
     fn augment_args(command: Command) -> Command {
-        let command = command.next_help_heading("Method parameters");
         KNOBS.into_iter().fold(command, |command, (name, help)| {
             let owners: Vec<Method> = methods_with(name).collect();
             let preset = owners[0].parameters();
             let default = value_of(&preset, name);
-            let only = match owners[..] {
-                [only] => format!("; {only} only"),
-                _ => String::new(),
+            let (heading, all): (_, &[Method]) = match preset {
+                Parameters::Object(_) => (
+                    "Parameters of afra2012 and nabata2013",
+                    &[Method::Afra2012, Method::Nabata2013],
+                ),
+                Parameters::Space(_) => (
+                    "Parameters of mora2011, mora2011-cones and mora2011-random",
+                    &[
+                        Method::Mora2011,
+                        Method::Mora2011Cones,
+                        Method::Mora2011Random,
+                    ],
+                ),
+            };
+            let only = match owners == all {
+                true => String::new(),
+                false => format!("; {} only", listed(&owners)),
             };
             command.arg(
                 Arg::new(name)
+                    .help_heading(heading)
                     .long(name)
                     .value_name("VALUES")
                     .value_delimiter(',')
@@ -222,14 +287,19 @@ impl KnobLists {
     }
 }
 
-/// The parameters of the baseline that a cell of `method` is set against: the same values of the
-/// parameters that both methods have, the baseline's defaults for the rest. A cell of the baseline
-/// is itself set against the one with its own defaults.
+/// The parameters of the baseline that a cell with `parameters` is set against: the same values of
+/// the parameters that the baseline and ray sampling both have, the baseline's defaults for the
+/// rest. A cell of the baseline is itself set against the one with its own defaults.
 pub fn baseline_of(parameters: &Parameters) -> Parameters {
+    let baseline = Method::Afra2012.parameters();
+    // Mora's methods have none of its parameters.
+    let Parameters::Object(_) = parameters else {
+        return baseline;
+    };
     let common = KNOBS
         .iter()
-        .filter(|(name, _)| methods_with(name).count() == Method::ALL.len());
-    common.fold(Method::Afra2012.parameters(), |baseline, (name, _)| {
+        .filter(|(name, _)| methods_with(name).eq([Method::Afra2012, Method::Nabata2013]));
+    common.fold(baseline, |baseline, (name, _)| {
         with(&baseline, name, &value_of(parameters, name)).expect("a value that was valid before")
     })
 }
@@ -249,12 +319,20 @@ mod tests {
         assert_eq!(typed.grid(Method::Afra2012).unwrap().len(), 2);
         let grid = typed.grid(Method::Nabata2013).unwrap();
         assert_eq!(grid.len(), 6);
-        assert_eq!((grid[1].bins, grid[1].samples), (16, 100));
+        let expected = ObjectParameters {
+            bins: 16,
+            samples: 100,
+            ..ObjectParameters::NABATA2013
+        };
+        assert_eq!(grid[1], expected.into());
         assert_eq!(
             typed.label(Method::Nabata2013, &grid[5]),
             "bins=32 samples=200"
         );
         assert_eq!(typed.label(Method::Afra2012, &grid[5]), "bins=32");
+        let of_mora = typed.grid(Method::Mora2011).unwrap();
+        assert_eq!(of_mora, [Method::Mora2011.parameters()]);
+        assert_eq!(typed.label(Method::Mora2011, &of_mora[0]), "");
     }
 
     #[test]
@@ -276,14 +354,32 @@ mod tests {
             ("sah-ratio", &["3"]),
         ]);
         let nabata = typed.grid(Method::Nabata2013).unwrap()[0];
-        let expected = Parameters {
-            bins: 16,
-            ..Method::Afra2012.parameters()
-        };
-        assert_eq!(baseline_of(&nabata), expected);
+        let defaults = ObjectParameters::AFRA2012;
+        let sah_ratio = 3.0;
+        let (bins, expected) = (
+            16,
+            ObjectParameters {
+                bins: 16,
+                ..defaults
+            },
+        );
+        assert_eq!(baseline_of(&nabata), expected.into());
         let afra = typed.grid(Method::Afra2012).unwrap()[0];
-        assert_eq!(afra.sah_ratio, 3.0);
-        assert_eq!(baseline_of(&afra), expected);
+        let own = ObjectParameters {
+            bins,
+            sah_ratio,
+            ..defaults
+        };
+        assert_eq!(afra, own.into());
+        assert_eq!(baseline_of(&afra), expected.into());
+    }
+
+    #[test]
+    fn a_method_of_another_kind_is_set_against_the_baseline_with_its_defaults() {
+        let typed = lists(&[("bins", &["16"]), ("ray-limit", &["5"])]);
+        let mora = typed.grid(Method::Mora2011).unwrap()[0];
+        assert_ne!(mora, Method::Mora2011.parameters());
+        assert_eq!(baseline_of(&mora), Method::Afra2012.parameters());
     }
 
     #[test]
@@ -293,18 +389,29 @@ mod tests {
         assert!(
             error(lists(&[("skip", &["1"])]), Method::Afra2012).contains("afra2012 has no such")
         );
+        assert!(
+            error(lists(&[("cone-limit", &["9"])]), Method::Mora2011)
+                .contains("mora2011 has no such")
+        );
     }
 
     #[test]
-    fn every_field_is_an_option() {
+    fn every_field_is_an_option_but_the_variant() {
         let mut known: Vec<String> = KNOBS.iter().map(|(name, _)| field(name)).collect();
+        known.push("variant".to_owned());
         known.sort();
-        let mut all: Vec<String> = fields(&Method::Nabata2013.parameters())
-            .keys()
-            .cloned()
-            .collect();
+        let kinds = [Method::Afra2012, Method::Mora2011].map(|m| fields(&m.parameters()));
+        let mut all: Vec<String> = kinds.iter().flat_map(Map::keys).cloned().collect();
         all.sort();
         assert_eq!(known, all);
+    }
+
+    #[test]
+    fn a_result_has_the_variant() {
+        let of = |m: Method| own_fields(m, &m.parameters());
+        assert_eq!(of(Method::Mora2011Cones)["variant"], "cones");
+        assert!(!of(Method::Mora2011).contains_key("cone_limit"));
+        assert!(!of(Method::Nabata2013).contains_key("variant"));
     }
 
     #[test]
@@ -323,9 +430,20 @@ mod tests {
             ("leaf-rays", "null"),
             ("axes", "some"),
             ("sample-middle", "1"),
+            ("ray-limit", "0"),
+            ("triangle-limit", "-1"),
+            ("cone-limit", "4294967296"),
+            ("estimate-stride", "0"),
+            ("nine-axes-below", "few"),
+            ("octants", "yes"),
         ] {
-            let parameters = Method::Nabata2013.parameters();
-            assert!(with(&parameters, knob, value).is_err(), "{knob} {value}");
+            let method = methods_with(knob).last().unwrap();
+            let error = with(&method.parameters(), knob, value).unwrap_err();
+            let error = error.to_string();
+            assert!(
+                error.contains("expected") || knob == "axes",
+                "{knob} {value}: {error}"
+            );
         }
     }
 }

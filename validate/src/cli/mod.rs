@@ -5,6 +5,7 @@ mod color;
 mod engine;
 mod env;
 mod knobs;
+mod paper;
 mod picture;
 mod plan;
 mod render;
@@ -36,6 +37,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Run(args) => run::run(&args),
+        Command::Paper(args) => paper::paper(&args),
         Command::Render(args) => render::render(&args),
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Trace(args) => trace::trace(&args),

@@ -2,7 +2,7 @@
 //! writable, before any work starts.
 
 use super::args::{EngineArgs, RunArgs};
-use super::knobs::baseline_of;
+use super::knobs::{KnobLists, baseline_of};
 use super::size::{Resolution, Spp};
 use super::source::{SceneSource, View, mesh_folders};
 use super::text::thousands;
@@ -36,12 +36,23 @@ pub struct Contestant {
     pub baseline: Option<usize>,
 }
 
+/// One batch of rays and who traces it.
+pub struct Round {
+    pub rays: RayType,
+    pub contestants: Vec<Contestant>,
+}
+
+/// A scene and its batches.
+pub struct SceneJob {
+    pub source: SceneSource,
+    pub view: View,
+    pub rounds: Vec<Round>,
+}
+
 /// All that `run` has to do.
 pub struct RunPlan {
-    /// With the ray types to be traced in each.
-    pub scenes: Vec<(SceneSource, View, Vec<RayType>)>,
+    pub scenes: Vec<SceneJob>,
     pub films: Vec<Film>,
-    pub contestants: Vec<Contestant>,
     pub repeats: u32,
     pub engine: Engine,
     pub mesh_folders: Vec<PathBuf>,
@@ -56,37 +67,24 @@ impl RunPlan {
         let engine = engine(&args.engine)?;
         let mesh_folders = mesh_folders(&args.meshes);
         let mut warnings = Vec::new();
-
-        let mut contestants: Vec<Contestant> = Vec::new();
-        for name in distinct(&args.methods) {
-            let method = method(name)?;
-            for parameters in args.knobs.grid(method)? {
-                contestants.push(Contestant {
-                    method,
-                    parameters,
-                    label: args.knobs.label(method, &parameters),
-                    baseline: None,
-                });
+        let methods = match &args.methods {
+            Some(names) => Some(
+                distinct(names)
+                    .map(method)
+                    .collect::<anyhow::Result<Vec<_>>>()?,
+            ),
+            None => None,
+        };
+        let mut round = |rays| -> anyhow::Result<Round> {
+            let methods = methods.as_deref().unwrap_or_else(|| default_methods(rays));
+            let contestants = contestants(methods, &args.knobs)?;
+            for warning in missing_baselines(&contestants) {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
             }
-        }
-        let baselines: Vec<Option<usize>> = contestants
-            .iter()
-            .map(|c| {
-                let wanted = baseline_of(&c.parameters);
-                let is_it = |b: &Contestant| b.method == Method::Afra2012 && b.parameters == wanted;
-                contestants.iter().position(is_it)
-            })
-            .collect();
-        let any_baseline = contestants.iter().any(|c| c.method == Method::Afra2012);
-        if any_baseline && baselines.contains(&None) {
-            warnings.push(
-                "no acceleration ratio without an afra2012 cell with its default of --sah-ratio"
-                    .to_owned(),
-            );
-        }
-        for (contestant, baseline) in contestants.iter_mut().zip(baselines) {
-            contestant.baseline = baseline;
-        }
+            Ok(Round { rays, contestants })
+        };
 
         let rays = match &args.rays {
             Some(names) => Some(
@@ -101,14 +99,14 @@ impl RunPlan {
             None => DEFAULT_SCENES.to_vec(),
         };
         let mut scenes = Vec::new();
+        let mut left_out = Vec::new();
         for name in names {
             let source = SceneSource::find(name)?;
             if let Some(missing) = source.missing_mesh(&mesh_folders) {
                 ensure!(args.scenes.is_none(), "{missing}");
-                warnings.push(format!("left out: {missing}"));
+                left_out.push(format!("left out: {missing}"));
                 continue;
             }
-            let view = source.view()?;
             let rays = match &rays {
                 Some(rays) => rays.clone(),
                 None => {
@@ -116,21 +114,11 @@ impl RunPlan {
                     rays.filter(|r| source.is_for(*r)).collect()
                 }
             };
-            ensure!(
-                view.light.is_some() || !rays.contains(&RayType::ShadowPoint),
-                "{}: shadow-point rays need a point light, and there is none",
-                source.json.display()
-            );
-            let same_name = |(other, ..): &&(SceneSource, _, _)| other.name() == source.name();
-            if let Some((other, ..)) = scenes.iter().find(same_name) {
-                bail!(
-                    "--scenes: {} and {} would have the same name in the result",
-                    other.json.display(),
-                    source.json.display()
-                );
-            }
-            scenes.push((source, view, rays));
+            let rounds = rays.into_iter().map(&mut round);
+            let rounds = rounds.collect::<anyhow::Result<Vec<_>>>()?;
+            add_scene(&mut scenes, source, rounds)?;
         }
+        warnings.append(&mut left_out);
 
         let mut films = Vec::new();
         for size in &args.resolution {
@@ -145,7 +133,6 @@ impl RunPlan {
         Ok(RunPlan {
             scenes,
             films,
-            contestants,
             repeats: args
                 .repeats
                 .unwrap_or(if args.scenes.is_some() { 5 } else { 3 }),
@@ -159,9 +146,94 @@ impl RunPlan {
 
     /// Number of batches.
     pub fn groups(&self) -> usize {
-        let batches: usize = self.scenes.iter().map(|(_, _, rays)| rays.len()).sum();
+        let batches: usize = self.scenes.iter().map(|scene| scene.rounds.len()).sum();
         self.films.len() * batches
     }
+}
+
+/// Adds a scene whose meshes are there; an error if it lacks what the rays need, or has the name of
+/// another.
+pub fn add_scene(
+    scenes: &mut Vec<SceneJob>,
+    source: SceneSource,
+    rounds: Vec<Round>,
+) -> anyhow::Result<()> {
+    let view = source.view()?;
+    ensure!(
+        view.light.is_some() || rounds.iter().all(|r| r.rays != RayType::ShadowPoint),
+        "{}: shadow-point rays need a point light, and there is none",
+        source.json.display()
+    );
+    if let Some(other) = scenes.iter().find(|s| s.source.name() == source.name()) {
+        bail!(
+            "--scenes: {} and {} would have the same name in the result",
+            other.source.json.display(),
+            source.json.display()
+        );
+    }
+    scenes.push(SceneJob {
+        source,
+        view,
+        rounds,
+    });
+    Ok(())
+}
+
+/// What `run` traces these rays by when it is not told: of Mora's methods each that does what no
+/// other does.
+fn default_methods(rays: RayType) -> &'static [Method] {
+    match rays {
+        RayType::Primary | RayType::ShadowPoint => &[
+            Method::Afra2012,
+            Method::Nabata2013,
+            Method::Mora2011,
+            Method::Mora2011Cones,
+        ],
+        // Without a shared origin, all three are the one for random rays.
+        _ => &[Method::Afra2012, Method::Nabata2013, Method::Mora2011Random],
+    }
+}
+
+/// A contestant for each method and combination of parameters, each with its baseline.
+pub fn contestants(methods: &[Method], knobs: &KnobLists) -> anyhow::Result<Vec<Contestant>> {
+    let mut contestants: Vec<Contestant> = Vec::new();
+    for &method in methods {
+        for parameters in knobs.grid(method)? {
+            contestants.push(Contestant {
+                method,
+                parameters,
+                label: knobs.label(method, &parameters),
+                baseline: None,
+            });
+        }
+    }
+    for i in 0..contestants.len() {
+        let wanted = baseline_of(&contestants[i].parameters);
+        let is_it = |b: &Contestant| b.method == Method::Afra2012 && b.parameters == wanted;
+        contestants[i].baseline = contestants.iter().position(is_it);
+    }
+    Ok(contestants)
+}
+
+/// Why some have no acceleration ratio, though the baseline is among them.
+fn missing_baselines(contestants: &[Contestant]) -> Vec<String> {
+    let any_baseline = contestants.iter().any(|c| c.method == Method::Afra2012);
+    let lacks = |object: bool| {
+        let without = |c: &&Contestant| c.baseline.is_none();
+        let mut without = contestants.iter().filter(without);
+        any_baseline && without.any(|c| matches!(c.parameters, Parameters::Object(_)) == object)
+    };
+    let mut warnings = Vec::new();
+    if lacks(true) {
+        let why = "no acceleration ratio without an afra2012 cell with its default of --sah-ratio";
+        warnings.push(why.to_owned());
+    }
+    if lacks(false) {
+        let why = "no acceleration ratio of Mora's methods without an afra2012 cell with all of its \
+                   defaults";
+        warnings.push(why.to_owned());
+    }
+    warnings
 }
 
 /// The instruction set; precision and threads are only checked, for there is no choice yet.
@@ -264,7 +336,7 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Every name once, in the order typed.
-fn distinct(names: &[String]) -> impl Iterator<Item = &str> {
+pub fn distinct(names: &[String]) -> impl Iterator<Item = &str> {
     let first = |(i, name): &(usize, &String)| !names[..*i].contains(name);
     let names = names.iter().enumerate();
     names.filter(first).map(|(_, name)| name.as_str())

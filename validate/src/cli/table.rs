@@ -1,6 +1,7 @@
 //! The table that `run` prints: a section for each scene and ray type as soon as it is measured,
 //! geometric means at the end. 100 columns at most.
 
+use super::run::is_wrong;
 use super::text::thousands;
 use dacrt_validate::results::Cell;
 use dacrt_validate::statistics::{Ratio, geometric_mean};
@@ -20,6 +21,8 @@ pub struct Row {
     /// Rays on which ours and an Embree mode differ.
     pub differing: u64,
     pub unexplained: u64,
+    /// How many rays, and of how many, the printed rule of termination gets wrong, if it was used.
+    pub printed_rule: Option<(u64, u64)>,
 }
 
 impl Row {
@@ -29,22 +32,34 @@ impl Row {
         Row {
             method: cell.key.method.clone(),
             label: label.to_owned(),
-            // Without rays there are no times either.
-            wrong: cell.mrays_per_s.is_none() && cell.ray_count > 0,
+            wrong: is_wrong(cell),
             mrays_per_s: cell.mrays_per_s,
             acceleration: acceleration.map(|(ratio, interval)| Ratio { ratio, interval }),
             embree_total: cell.ratio_embree_total,
             embree_trace: cell.ratio_embree_trace,
             differing: cell.diff.differing,
             unexplained: cell.diff.unexplained,
+            printed_rule: cell.printed_rule_wrong.map(|n| (n, cell.ray_count as u64)),
         }
+    }
+
+    /// The lines under the row: what tells it from others of its method, and what was found.
+    fn notes(&self) -> String {
+        let mut text = label_line(&self.label);
+        if let Some((wrong, rays)) = self.printed_rule {
+            let (wrong, rays) = (thousands(wrong), thousands(rays));
+            text += &label_line(&format!(
+                "wrong by the printed rule: {wrong} of {rays} rays"
+            ));
+        }
+        text
     }
 }
 
 /// The column heads, to be printed once.
 pub fn heads() -> String {
     format!(
-        "{:<17}{:<18}{:<11}{:>7}  {:<20}{:>13} {:>11}\n{:<53}  {:<20}{:>7}{:>6} {:>11}\n{}\n",
+        "{:<17}{:<18}{:<15}{:>7}  {:<18}{:>12}{:>11}\n{:<57}  {:<18}{:>6}{:>6}{:>11}\n{}\n",
         "scene",
         "rays",
         "method",
@@ -79,21 +94,10 @@ pub fn section(scene: &str, rays: &str, rows: &[Row]) -> String {
     let scene = shortened(scene);
     let mut text = String::new();
     for row in order {
-        let acceleration = row.acceleration.map_or("-".into(), |r| {
-            let [low, high] = r.interval;
-            if low == high {
-                return format!("{:.2}", r.ratio);
-            }
-            let mark = if high < 1.0 { " <" } else { "" };
-            format!("{:.2} [{low:.2}, {high:.2}]{mark}", r.ratio)
-        });
-        let diff = format!(
-            "{}/{}",
-            thousands(row.unexplained),
-            thousands(row.differing)
-        );
+        let acceleration = row.acceleration.map_or("-".into(), interval);
+        let diff = part(row.unexplained, row.differing);
         text += &format!(
-            "{scene:<17}{rays:<18}{:<11}{:>7}  {acceleration:<20}{:>7}{:>6} {diff:>11}",
+            "{scene:<17}{rays:<18}{:<15}{:>7}  {acceleration:<18}{:>6}{:>6}{diff:>11}",
             row.method,
             if row.wrong {
                 "WRONG".into()
@@ -104,7 +108,7 @@ pub fn section(scene: &str, rays: &str, rows: &[Row]) -> String {
             number(row.embree_trace),
         );
         text.push('\n');
-        text += &label_line(&row.label);
+        text += &row.notes();
     }
     text
 }
@@ -137,7 +141,7 @@ impl Means {
                 number(geometric_mean(&values))
             };
             text += &format!(
-                "{:<17}{rays:<18}{:<11}{:>7}  {:<20}{:>7}{:>6}\n",
+                "{:<17}{rays:<18}{:<15}{:>7}  {:<18}{:>6}{:>6}\n",
                 format!("{} cells", rows.len()),
                 rows[0].method,
                 mean(|r| r.mrays_per_s),
@@ -151,11 +155,47 @@ impl Means {
     }
 }
 
-/// The line under a row whose method stands in the table with several parameters.
+/// A line under a row.
 fn label_line(label: &str) -> String {
     match label {
         "" => String::new(),
         _ => format!("{:35}  {label}\n", ""),
+    }
+}
+
+/// A ratio, and where its interval lies: `1.23 [1.17, 1.27]`, `<` if below 1. 18 columns.
+fn interval(r: Ratio) -> String {
+    let [low, high] = r.interval;
+    // As many digits for all three.
+    let digits = match r.ratio.max(high) {
+        x if x < 9.995 => 2,
+        x if x < 99.95 => 1,
+        _ => 0,
+    };
+    let show = |x: f64| format!("{x:.digits$}");
+    if low == high {
+        return show(r.ratio);
+    }
+    let mark = if high < 1.0 { "<" } else { "" };
+    format!("{} [{}, {}]{mark}", show(r.ratio), show(low), show(high))
+}
+
+/// A count of a count: `0/1,234`; rounded where that takes more than ten columns: `1.2M/33M`.
+fn part(some: u64, all: u64) -> String {
+    let exact = format!("{}/{}", thousands(some), thousands(all));
+    match exact.len() {
+        ..=10 => exact,
+        _ => format!("{}/{}", rounded(some), rounded(all)),
+    }
+}
+
+/// At most four columns below 10⁹: `9999`, `12k`, `1.2M`.
+fn rounded(n: u64) -> String {
+    match n {
+        ..10_000 => n.to_string(),
+        10_000..999_500 => format!("{:.0}k", n as f64 / 1e3),
+        999_500..9_950_000 => format!("{:.1}M", n as f64 / 1e6),
+        _ => format!("{:.0}M", n as f64 / 1e6),
     }
 }
 
@@ -200,12 +240,20 @@ mod tests {
             ratio: 10.25,
             interval: [10.12, 10.55],
         };
-        let rows = [row("nabata2013", 12_345.6, wide)];
+        let wrong = Row {
+            unexplained: 1_234_567,
+            printed_rule: Some((1_234_567, 16_777_216)),
+            ..row("mora2011-random", 1.0, wide)
+        };
+        let rows = [row("mora2011-random", 12_345.6, wide), wrong];
         let text = heads()
             + &section("sanmiguel-tables", "ambient-occlusion", &rows)
             + &section("a name of a user's own", "primary", &rows)
             + LEGEND;
-        assert!(text.contains("\nsanmiguel-tables ambient-occlusion nabata2013 "));
+        assert!(text.contains("\nsanmiguel-tables ambient-occlusion mora2011-random "));
+        assert!(text.contains(" 10.2 [10.1, 10.6] "), "{text}");
+        assert!(text.contains(" 1.2M/1.2M\n"), "{text}");
+        assert!(text.contains("wrong by the printed rule: 1,234,567 of 16,777,216 rays\n"));
         assert!(text.contains("\na name of a use… primary "));
         for line in text.lines() {
             assert!(line.chars().count() <= 100, "{line}");
@@ -236,7 +284,16 @@ mod tests {
             .collect();
         assert_eq!(order, ["wrong", "slow", "fast"]);
         assert!(text.lines().next().unwrap().contains("WRONG"));
-        assert!(text.contains("0.80 [0.70, 0.90] <"));
+        assert!(text.contains("0.80 [0.70, 0.90]<"));
+    }
+
+    #[test]
+    fn counts_are_rounded_only_where_they_are_long() {
+        assert_eq!(part(0, 0), "0/0");
+        assert_eq!(part(0, 999_999), "0/999,999");
+        assert_eq!(part(0, 1_234_567), "0/1.2M");
+        assert_eq!(part(12_345, 999_999), "12k/1.0M");
+        assert_eq!(part(9_999, 33_000_000), "9999/33M");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::text::{columns, counted, print, thousands};
 use anyhow::{Context, bail};
 use dacrt::rays::Hits;
 use dacrt::scene::{Scene, load_mesh};
-use dacrt::{Mesh, Tracer, Workspace};
+use dacrt::{Mesh, Tracer};
 use dacrt_validate::measure::milliseconds;
 use dacrt_validate::npy::{read_rays, write_hits, write_occluded};
 
@@ -25,7 +25,7 @@ pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
         .with_isa(engine.isa)
         .with_seed(engine.seed)
         .with_own_origins(args.own_origins);
-    let mut workspace = Workspace::new(batch.len(), mesh.len());
+    let mut workspace = tracer.workspace(batch.len(), mesh.len());
     let (traced, ms, hits) = if args.any_hit {
         let mut occluded = vec![0; batch.len()];
         let (traced, ms) =

@@ -30,6 +30,22 @@ impl Answers {
         }
     }
 
+    /// Number of rays whose answers are not the same, to the bit.
+    pub fn differing(&self, other: &Answers) -> usize {
+        match (self, other) {
+            (Answers::Nearest(ours), Answers::Nearest(theirs)) => (0..ours.len())
+                .filter(|&i| {
+                    let of = |hits: &Hits| (hits.t[i].to_bits(), hits.prim[i]);
+                    of(ours) != of(theirs)
+                })
+                .count(),
+            (Answers::Any(ours), Answers::Any(theirs)) => {
+                ours.iter().zip(theirs).filter(|(a, b)| a != b).count()
+            }
+            _ => unreachable!("answers to one batch are of one kind"),
+        }
+    }
+
     /// Number of rays that hit something.
     pub fn hit_count(&self) -> usize {
         match self {
@@ -58,5 +74,22 @@ impl Answers {
             Answers::Nearest(hits) => scene.nearest(batch, query, hits),
             Answers::Any(occluded) => scene.any(batch, query, occluded),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_that_differ_are_counted_once() {
+        let mut hits = Hits::misses(4);
+        let ours = Answers::Nearest(hits.clone());
+        (hits.t[1], hits.prim[1]) = (1.0, 2);
+        hits.prim[3] = 7;
+        assert_eq!(ours.differing(&Answers::Nearest(hits)), 2);
+        assert_eq!(ours.differing(&ours), 0);
+        let any = |occluded: &[u8]| Answers::Any(occluded.to_vec());
+        assert_eq!(any(&[0, 1, 1]).differing(&any(&[1, 1, 0])), 2);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::answers::Answers;
 use super::reference::{Built, Reference};
-use dacrt::{Batch, Mesh, Tracer, Workspace};
+use crate::cli::engine::Workspaces;
+use dacrt::{Batch, Mesh, Parameters, Tracer};
 use dacrt_validate::embree::{Quality, Query};
 use dacrt_validate::measure::{interleave, milliseconds};
 use std::convert::Infallible;
@@ -12,42 +13,52 @@ const GIVE_UP: usize = 2;
 /// Rounds of the measurement without Embree's filling and reading back.
 const PREPACKED_REPEATS: usize = 3;
 
+/// A tracer whose answers have been validated.
+pub struct Entrant {
+    /// Its place among the contestants of the round.
+    pub place: usize,
+    pub parameters: Parameters,
+    pub tracer: Tracer,
+    pub answers: Answers,
+}
+
 /// Everything that was measured on one batch, in milliseconds.
 pub struct Times {
-    /// For each tracer.
+    /// For each entrant.
     pub methods: Vec<Vec<f64>>,
     /// For each quality and query.
     pub embree: Vec<(Quality, Query, Vec<f64>)>,
     /// For each query on the quality that it is fastest on.
     pub prepacked: Vec<(Quality, Query, Vec<f64>)>,
-    /// Tracers whose answers were once not those that had been validated.
+    /// Entrants whose answers were once not those that had been validated.
     pub unstable: Vec<usize>,
 }
 
-/// Measures `tracers`, each with its validated answers, and all of Embree.
+/// Measures the entrants and all of Embree.
 pub fn contest(
     mesh: &Mesh,
     batch: &Batch,
-    tracers: &[(&Tracer, &Answers)],
-    workspace: &mut Workspace,
+    entrants: &[Entrant],
+    workspaces: &mut Workspaces,
     reference: &Reference,
     any: bool,
     repeats: u32,
 ) -> Times {
-    let ours = tracers.len();
+    let ours = entrants.len();
     let combinations: Vec<(usize, Query)> = (0..reference.contestants.len())
         .flat_map(|quality| Query::ALL.map(|query| (quality, query)))
         .collect();
     let mut answers = Answers::room(batch.len(), any);
     let mut unstable = Vec::new();
     let run = |i: usize| -> Result<f64, Infallible> {
-        let Some((tracer, validated)) = tracers.get(i) else {
+        let Some(entrant) = entrants.get(i) else {
             let (quality, query) = combinations[i - ours];
             let scene = &reference.contestants[quality].scene;
             return Ok(milliseconds(|| answers.trace_embree(scene, batch, query)).1);
         };
-        let (_, ms) = milliseconds(|| answers.trace(tracer, mesh, batch, workspace));
-        if answers != **validated && !unstable.contains(&i) {
+        let workspace = workspaces.of(&entrant.parameters);
+        let (_, ms) = milliseconds(|| answers.trace(&entrant.tracer, mesh, batch, workspace));
+        if answers != entrant.answers && !unstable.contains(&i) {
             unstable.push(i);
         }
         Ok(ms)

@@ -3,89 +3,110 @@
 mod answers;
 mod cells;
 mod contest;
+mod findings;
 mod progress;
 mod reference;
 mod report;
 
 use super::Verdict;
 use super::args::RunArgs;
-use super::engine::Engine;
-use super::plan::RunPlan;
-use super::source::{SceneSource, View};
+use super::engine::{Engine, Workspaces};
+use super::plan::{Round, RunPlan, SceneJob};
+use super::source::View;
 use answers::Answers;
 use anyhow::Context;
-use cells::{BatchKey, enter_times};
-use contest::contest;
+use cells::enter_times;
+use contest::{Entrant, contest};
 use dacrt::scene::Scene;
 use dacrt::workloads::{Film, RayType, Workload};
-use dacrt::{Batch, Method, Tracer, Workspace};
+use dacrt::{Batch, Method, Parameters, SpaceParameters, Tracer};
 use dacrt_validate::diff::Checker;
 use dacrt_validate::embree::{Device, Query};
 use dacrt_validate::hash::{hit_hash, ray_hash};
 use dacrt_validate::judge::Judge;
 use dacrt_validate::machine::{Machine, Software};
 use dacrt_validate::results::{Cell, Document, SCHEMA};
-use progress::Progress;
 use reference::Reference;
 use report::Report;
+
+pub use cells::BatchKey;
+pub use findings::{Findings, is_wrong};
+pub use progress::Progress;
 
 /// Does the whole job; a finding is a wrong hit.
 pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {
     let plan = RunPlan::new(args)?;
-    let device = Device::new(1)?;
-    let mut document = new_document(&plan, &device);
-    if plan.resume {
-        document.resume(&plan.out).context("--resume")?;
-    }
-
     let progress = Progress::new(plan.groups());
     plan.warnings.iter().for_each(|w| progress.warn(w));
     let mut report = Report::new(&plan, &progress);
-    for (source, view, rays) in &plan.scenes {
+    let findings = execute(&plan, &progress, &mut |key, round, cells| {
+        report.section(key, round, cells)
+    })?;
+    progress.finish();
+    report.end(&findings)?;
+    Ok(findings.verdict())
+}
+
+/// Is given each batch as soon as it is finished: its round, and a cell for each contestant.
+pub type Listener<'a> = dyn FnMut(&BatchKey, &Round, &[Cell]) -> anyhow::Result<()> + 'a;
+
+/// Measures and checks all batches of the plan and writes the result file after each.
+pub fn execute(
+    plan: &RunPlan,
+    progress: &Progress,
+    listener: &mut Listener,
+) -> anyhow::Result<Findings> {
+    let device = Device::new(1)?;
+    let mut document = new_document(plan, &device);
+    if plan.resume {
+        document.resume(&plan.out).context("--resume")?;
+    }
+    let mut findings = Findings::default();
+    let mut finish = |key: &BatchKey, round: &Round, cells: &[Cell]| {
+        findings.add(key, cells, progress);
+        progress.advance();
+        listener(key, round, cells)
+    };
+    for job in &plan.scenes {
         let mut missing = Vec::new();
         for &film in &plan.films {
-            for &ray_type in rays {
-                let key = batch_key(source, view, film, ray_type);
-                let finished: Option<Vec<Cell>> = (plan.contestants.iter())
+            for round in &job.rounds {
+                let key = batch_key(job, film, round.rays);
+                let finished: Option<Vec<Cell>> = (round.contestants.iter())
                     .map(|c| document.finished(&key.cell(c)).cloned())
                     .collect();
                 match finished {
-                    Some(cells) => {
-                        report.section(&key, &cells)?;
-                        progress.advance(1);
-                    }
-                    None => missing.push((film, ray_type, key)),
+                    Some(cells) => finish(&key, round, &cells)?,
+                    None => missing.push((film, round, key)),
                 }
             }
         }
         if missing.is_empty() {
             continue;
         }
-        progress.step(&format!("{}: loading", source.name()));
-        let scene = Scene::load(&source.json, &plan.mesh_folders)?;
+        progress.step(&format!("{}: loading", job.source.name()));
+        let scene = Scene::load(&job.source.json, &plan.mesh_folders)?;
         let bench = Bench {
-            reference: Reference::build(&device, &scene.mesh, plan.repeats, &progress)?,
+            reference: Reference::build(&device, &scene.mesh, plan.repeats, progress)?,
             judge: Judge::new(&scene.mesh),
             scene: &scene,
-            view,
-            plan: &plan,
-            progress: &progress,
+            view: &job.view,
+            plan,
+            progress,
         };
         for by_film in missing.chunk_by(|a, b| a.0 == b.0) {
             let mut workload = bench.workload(by_film[0].0)?;
-            for (_, ray_type, key) in by_film {
-                let cells = bench.batch(&mut workload, *ray_type, key)?;
+            for (_, round, key) in by_film {
+                let cells = bench.batch(&mut workload, round, key)?;
                 // What there is of this batch is not of this run.
                 document.cells.retain(|cell| !key.has(&cell.key));
                 document.cells.extend(cells.iter().cloned());
                 document.write(&plan.out)?;
-                report.section(key, &cells)?;
-                progress.advance(1);
+                finish(key, round, &cells)?;
             }
         }
     }
-    progress.finish();
-    report.end()
+    Ok(findings)
 }
 
 fn new_document(plan: &RunPlan, device: &Device) -> Document {
@@ -103,10 +124,10 @@ fn new_document(plan: &RunPlan, device: &Device) -> Document {
     }
 }
 
-fn batch_key(source: &SceneSource, view: &View, film: Film, ray_type: RayType) -> BatchKey {
+fn batch_key(job: &SceneJob, film: Film, ray_type: RayType) -> BatchKey {
     BatchKey {
-        scene: source.name(),
-        camera: view.camera_name.clone(),
+        scene: job.source.name(),
+        camera: job.view.camera_name.clone(),
         resolution: [film.width(), film.height()],
         spp: film.spp(),
         rays: ray_type.to_string(),
@@ -134,9 +155,10 @@ impl Bench<'_> {
     fn batch(
         &self,
         workload: &mut Workload,
-        ray_type: RayType,
+        round: &Round,
         key: &BatchKey,
     ) -> anyhow::Result<Vec<Cell>> {
+        let ray_type = round.rays;
         let step = |what: &str| {
             self.progress
                 .step(&format!("{} {ray_type}: {what}", key.scene))
@@ -163,32 +185,32 @@ impl Bench<'_> {
         let robust = by_embree(&self.reference.robust);
         let seed = self.plan.engine.seed;
         let mut checker = Checker::new(&self.judge, &batch, fast.view(), robust.view(), seed);
-        let mut workspace = Workspace::new(batch.len(), mesh.len());
+        let mut workspaces = Workspaces::new(batch.len(), mesh.len());
         let mut cells = Vec::new();
-        let mut validated = Vec::new();
-        for (place, contestant) in self.plan.contestants.iter().enumerate() {
-            let tracer = Tracer::new(contestant.parameters)
-                .with_isa(self.plan.engine.isa)
-                .with_seed(seed);
+        let mut entrants = Vec::new();
+        for (place, contestant) in round.contestants.iter().enumerate() {
+            let parameters = contestant.parameters;
+            let tracer = self.tracer(parameters);
             let mut answers = Answers::room(batch.len(), any);
             let audited = tracer.with_audit(true);
-            let trace = answers.trace(&audited, mesh, &batch, &mut workspace);
+            let workspace = workspaces.of(&parameters);
+            let workspace_bytes = workspace.bytes();
+            let trace = answers.trace(&audited, mesh, &batch, workspace);
+            let printed_rule_wrong = without_printed_rule(&parameters).map(|right| {
+                let mut expected = Answers::room(batch.len(), any);
+                expected.trace(&self.tracer(right), mesh, &batch, workspace);
+                answers.differing(&expected) as u64
+            });
             let hit_hash = hit_hash(&answers.view());
             let diff = checker.check(answers.view(), &hit_hash);
-            if diff.is_finding(mesh) {
-                self.progress.warn(&format!(
-                    "{} {ray_type} {}: {} wrong of {} rays; the offending rays are in {} (`dacrt trace --help` says how to trace them again)",
-                    key.scene,
-                    contestant.method,
-                    diff.unexplained,
-                    batch.len(),
-                    self.plan.out.display()
-                ));
-            } else {
-                validated.push((place, tracer, answers.clone()));
+            let mut key = key.cell(contestant);
+            if let Some(variant) = trace.variant {
+                key.parameters
+                    .insert("variant".to_owned(), serde_json::to_value(variant)?);
             }
+            let is_finding = diff.is_finding(mesh);
             cells.push(Cell {
-                key: key.cell(contestant),
+                key,
                 triangles: mesh.len(),
                 dropped_triangles: mesh.dropped(),
                 ray_count: batch.len(),
@@ -202,62 +224,83 @@ impl Bench<'_> {
                 acceleration_ratio: None,
                 acceleration_interval: None,
                 counters: as_object(&trace.counters)?,
-                workspace_bytes: workspace.bytes(),
+                workspace_bytes,
                 hits: answers.hit_count(),
                 hit_hash,
                 diff,
+                printed_rule_wrong,
                 embree: None,
                 ratio_embree_total: None,
                 ratio_embree_total_interval: None,
                 ratio_embree_trace: None,
                 ratio_embree_trace_interval: None,
             });
+            if !is_finding {
+                entrants.push(Entrant {
+                    place,
+                    parameters,
+                    tracer,
+                    answers,
+                });
+            }
         }
 
         step("measuring");
-        self.measure(&batch, any, &validated, &mut workspace, &mut cells);
+        self.measure(&batch, round, &entrants, &mut workspaces, &mut cells);
         Ok(cells)
+    }
+
+    fn tracer(&self, parameters: Parameters) -> Tracer {
+        Tracer::new(parameters)
+            .with_isa(self.plan.engine.isa)
+            .with_seed(self.plan.engine.seed)
     }
 
     fn measure(
         &self,
         batch: &Batch,
-        any: bool,
-        validated: &[(usize, Tracer, Answers)],
-        workspace: &mut Workspace,
+        round: &Round,
+        entrants: &[Entrant],
+        workspaces: &mut Workspaces,
         cells: &mut [Cell],
     ) {
         // A batch without rays, or one that nobody gets right, has no times.
-        if batch.is_empty() || validated.is_empty() {
+        if batch.is_empty() || entrants.is_empty() {
             return;
         }
-        let tracers: Vec<_> = validated
-            .iter()
-            .map(|(_, t, answers)| (t, answers))
-            .collect();
         let times = contest(
             &self.scene.mesh,
             batch,
-            &tracers,
-            workspace,
+            entrants,
+            workspaces,
             &self.reference,
-            any,
+            round.rays.is_any_hit(),
             self.plan.repeats,
         );
-        for &place in &times.unstable {
-            let method = self.plan.contestants[validated[place].0].method;
+        for &i in &times.unstable {
+            let method = round.contestants[entrants[i].place].method;
             self.progress.warn(&format!(
                 "{method}: a timed trace gave other hits than the one that was checked"
             ));
         }
-        let passed: Vec<usize> = validated.iter().map(|(place, ..)| *place).collect();
-        enter_times(
-            cells,
-            &passed,
-            &self.plan.contestants,
-            &times,
-            &self.reference,
-        );
+        let passed: Vec<usize> = entrants.iter().map(|entrant| entrant.place).collect();
+        enter_times(cells, &passed, &round.contestants, &times, &self.reference);
+    }
+}
+
+/// The same parameters but for the rule of termination as printed, where that is on.
+fn without_printed_rule(parameters: &Parameters) -> Option<Parameters> {
+    match *parameters {
+        Parameters::Space(
+            space @ SpaceParameters {
+                terminate_as_printed: true,
+                ..
+            },
+        ) => Some(Parameters::Space(SpaceParameters {
+            terminate_as_printed: false,
+            ..space
+        })),
+        _ => None,
     }
 }
 

@@ -20,9 +20,9 @@ impl Progress {
         self.0.set_message(what.to_owned());
     }
 
-    /// Counts `batches` as done.
-    pub fn advance(&self, batches: usize) {
-        self.0.inc(batches as u64);
+    /// Counts a batch as done.
+    pub fn advance(&self) {
+        self.0.inc(1);
     }
 
     /// A warning, above the bar.

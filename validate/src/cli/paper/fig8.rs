@@ -1,0 +1,299 @@
+//! Fig. 8 of Mora 2011: tests and times with and without conic packets, for primary rays and with
+//! one light.
+
+use crate::cli::run::{BatchKey, is_wrong};
+use crate::cli::text::columns;
+use dacrt::workloads::Film;
+use dacrt_validate::results::Cell;
+use dacrt_validate::statistics::{Ratio, paired_ratio};
+
+/// Least and greatest value over the four scenes of the printed figure: Erw6 (806 triangles),
+/// Conference (282,000), Blade (1,760,000) and one without a name.
+type Range = [f64; 2];
+
+/// A group of columns as printed.
+struct Printed {
+    fps: Range,
+    /// Ray/box, cone/box, triangle/box, ray/triangle, nodes.
+    counts: [Range; 5],
+}
+
+const BASIC: Printed = Printed {
+    fps: [1.13, 4.2],
+    counts: [
+        [27.5e6, 66.5e6],
+        [0.0, 0.0],
+        [32e3, 154e6],
+        [10.2e6, 23e6],
+        [888.0, 208e3],
+    ],
+};
+const CONES: Printed = Printed {
+    fps: [1.5, 16.1],
+    counts: [
+        [2e3, 6.73e6],
+        [486e3, 1.7e6],
+        [37e3, 167e6],
+        [5.1e6, 14.7e6],
+        [6e3, 212e3],
+    ],
+};
+const CONES_AND_LIGHT: Printed = Printed {
+    fps: [0.62, 6.2],
+    counts: [
+        [1.9e6, 17.3e6],
+        [850e3, 3.2e6],
+        [68e3, 419e6],
+        [12e6, 23.8e6],
+        [8.2e3, 371e3],
+    ],
+};
+/// Quotients of the printed figures: ray/box + cone/box and time of basic over cones, and of
+/// basic ray/box per pixel.
+const CUT_IN_TESTS: Range = [3.81, 26.8];
+const CUT_IN_TIME: Range = [1.33, 3.83];
+const RAY_BOX_A_RAY: Range = [26.9, 64.9];
+/// Of the three scenes with a name.
+const TRIANGLES_A_PIXEL: Range = [0.000_787, 1.72];
+
+/// The names of the counters in [`Printed::counts`].
+const COUNTERS: [&str; 5] = [
+    "ray_box",
+    "cone_box",
+    "triangle_box",
+    "ray_triangle",
+    "nodes",
+];
+const RAY_BOX: usize = 0;
+const CONE_BOX: usize = 1;
+
+/// The figure as it grows.
+#[derive(Default)]
+pub struct Figure {
+    /// In the order that they are printed in.
+    pub scenes: Vec<Scene>,
+}
+
+/// What was measured in one scene.
+pub struct Scene {
+    name: String,
+    mesh_is_missing: bool,
+    /// `mora2011` and `mora2011-cones`.
+    primary: Vec<Cell>,
+    /// `mora2011-cones`.
+    light: Vec<Cell>,
+}
+
+impl Scene {
+    /// Not measured yet.
+    pub fn new(name: String) -> Scene {
+        Scene {
+            name,
+            mesh_is_missing: false,
+            primary: Vec::new(),
+            light: Vec::new(),
+        }
+    }
+
+    /// Never to be measured.
+    pub fn missing(name: String) -> Scene {
+        Scene {
+            mesh_is_missing: true,
+            ..Scene::new(name)
+        }
+    }
+}
+
+/// What a picture took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Work {
+    /// None if the hits are wrong.
+    ms: Option<f64>,
+    /// As [`COUNTERS`].
+    counts: [f64; 5],
+}
+
+impl Work {
+    fn of(cell: &Cell) -> Work {
+        Work {
+            ms: match is_wrong(cell) {
+                true => None,
+                // A batch without rays takes no time.
+                false => Some(cell.median_ms.unwrap_or(0.0)),
+            },
+            counts: COUNTERS.map(|name| cell.counters[name].as_f64().unwrap_or(f64::NAN)),
+        }
+    }
+
+    fn and(self, other: Work) -> Work {
+        Work {
+            ms: self.ms.zip(other.ms).map(|(a, b)| a + b),
+            counts: std::array::from_fn(|i| self.counts[i] + other.counts[i]),
+        }
+    }
+
+    fn box_tests(&self) -> f64 {
+        self.counts[RAY_BOX] + self.counts[CONE_BOX]
+    }
+}
+
+impl Figure {
+    /// Takes the cells of a batch in.
+    pub fn take(&mut self, key: &BatchKey, cells: &[Cell]) {
+        for scene in self.scenes.iter_mut().filter(|s| s.name == key.scene) {
+            match key.rays.as_str() {
+                "primary" => scene.primary = cells.to_vec(),
+                _ => scene.light = cells.to_vec(),
+            }
+        }
+    }
+
+    /// The figure for people, 100 columns at most.
+    pub fn text(&self, film: Film) -> String {
+        let row = |cells: &[&str]| cells.iter().map(|s| s.to_string()).collect::<Vec<_>>();
+        let mut work = vec![row(&[
+            "scene", "rays", "fps", "ray/box", "cone/box", "tri./box", "ray/tri.", "nodes",
+        ])];
+        let mut cuts = vec![
+            row(&["scene", "box tests", "time", "ray/box", "triangles"]),
+            row(&[
+                "",
+                "basic/cones",
+                "basic/cones [95 %]",
+                "a ray, basic",
+                "a pixel",
+            ]),
+        ];
+        for scene in &self.scenes {
+            let ([basic, cones], [light]) = (&scene.primary[..], &scene.light[..]) else {
+                let why = match scene.mesh_is_missing {
+                    true => "no mesh",
+                    false => "not measured",
+                };
+                work.push(row(&[&scene.name, why]));
+                cuts.push(row(&[&scene.name, why]));
+                continue;
+            };
+            let time = (basic.samples_ms.as_ref().zip(cones.samples_ms.as_ref()))
+                .and_then(|(basic, cones)| paired_ratio(basic, cones));
+            let triangles = basic.triangles as f64 / pixels(film);
+            let rays = basic.ray_count as f64;
+            let (basic, cones, light) = (Work::of(basic), Work::of(cones), Work::of(light));
+            let lines = [
+                ("basic", basic),
+                ("cones", cones),
+                ("cones, 1 light", cones.and(light)),
+            ];
+            for (i, (name, done)) in lines.into_iter().enumerate() {
+                let scene = if i == 0 { scene.name.as_str() } else { "" };
+                let fps = done.ms.map_or("WRONG".to_owned(), |ms| short(1e3 / ms));
+                let counts = done.counts.map(short);
+                work.push([row(&[scene, name, &fps]), counts.to_vec()].concat());
+            }
+            cuts.push(row(&[
+                &scene.name,
+                &short(basic.box_tests() / cones.box_tests()),
+                &time.map_or("-".to_owned(), interval),
+                &short(basic.counts[RAY_BOX] / rays),
+                &short(triangles),
+            ]));
+        }
+        let printed = [
+            ("Mora 2011", "basic", BASIC),
+            ("", "cones", CONES),
+            ("", "cones, 1 light", CONES_AND_LIGHT),
+        ];
+        for (scene, name, printed) in printed {
+            let counts = printed.counts.map(range);
+            let fps = range(printed.fps);
+            work.push([row(&[scene, name, &fps]), counts.to_vec()].concat());
+        }
+        cuts.push(row(&[
+            "Mora 2011",
+            &range(CUT_IN_TESTS),
+            &range(CUT_IN_TIME),
+            &range(RAY_BOX_A_RAY),
+            &range(TRIANGLES_A_PIXEL),
+        ]));
+        format!(
+            "Fig. 8: rays in conic packets; {} x {} pixels (Mora 2011: 1280 x 800)\n\n{}\n{}{NOTES}",
+            film.width(),
+            film.height(),
+            columns(&work, &[2, 3, 4, 5, 6, 7]),
+            columns(&cuts, &[1, 2, 3, 4]),
+        )
+    }
+}
+
+/// What has to be known of the figures.
+const NOTES: &str = "
+fps: 1000 over the milliseconds of our traces, one thread, no shading; Mora's, on one thread of a
+3 GHz Core 2, have shading. `1 light` adds shadow rays from a point light. Mora's figures are ranges
+over four scenes (triangles a pixel: over the three with a name), not targets: the cameras are
+unpublished, Conference is another version (282,000 triangles), the other scenes are not at hand.
+";
+
+fn pixels(film: Film) -> f64 {
+    f64::from(film.width()) * f64::from(film.height())
+}
+
+fn interval(r: Ratio) -> String {
+    let [low, high] = r.interval;
+    format!("{:.2} [{low:.2}, {high:.2}]", r.ratio)
+}
+
+/// Least and greatest, or one of them if they are the same: `888-208k`.
+fn range([least, greatest]: Range) -> String {
+    match least == greatest {
+        true => short(least),
+        false => format!("{}-{}", short(least), short(greatest)),
+    }
+}
+
+/// Three digits that count, six columns at most: `0`, `0.275`, `27.5`, `888`, `208k`, `66.5M`.
+fn short(x: f64) -> String {
+    let (x, unit) = match x {
+        _ if x < 999.5 => (x, ""),
+        _ if x < 999.5e3 => (x / 1e3, "k"),
+        _ if x < 999.5e6 => (x / 1e6, "M"),
+        _ => (x / 1e9, "G"),
+    };
+    match x {
+        0.0 => "0".to_owned(),
+        _ if x < 0.001 => format!("{x:.4}"),
+        _ if x < 0.9995 => format!("{x:.3}"),
+        _ if x < 9.995 => format!("{x:.2}{unit}"),
+        _ if x < 99.95 => format!("{x:.1}{unit}"),
+        _ => format!("{x:.0}{unit}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_digits_count() {
+        let numbers = [
+            0.0, 0.000_787, 0.275, 0.9996, 9.996, 99.96, 888.0, 999.6, 999_600.0,
+        ];
+        let expected = [
+            "0", "0.0008", "0.275", "1.00", "10.0", "100", "888", "1.00k", "1.00M",
+        ];
+        assert_eq!(numbers.map(short), expected);
+        assert_eq!(
+            [27.5e6, 419e6, 1.5e9].map(short),
+            ["27.5M", "419M", "1.50G"]
+        );
+        assert_eq!([range([0.0; 2]), range([888.0, 208e3])], ["0", "888-208k"]);
+    }
+
+    #[test]
+    fn times_of_two_batches_are_added_if_both_are_right() {
+        let work = |ms, n| Work { ms, counts: [n; 5] };
+        let both = work(Some(1.0), 3.0).and(work(Some(0.5), 4.0));
+        assert_eq!(both, work(Some(1.5), 7.0));
+        assert_eq!(both.box_tests(), 14.0);
+        assert_eq!(work(Some(1.0), 3.0).and(work(None, 4.0)).ms, None);
+    }
+}

@@ -1,0 +1,85 @@
+//! `dacrt paper`: what a paper prints, measured here and set beside it.
+
+mod fig8;
+
+use super::Verdict;
+use super::args::{Paper, PaperArgs};
+use super::knobs::KnobLists;
+use super::plan::{Round, RunPlan, add_scene, check_writable, contestants, distinct, engine, film};
+use super::run::{self, Progress};
+use super::size::Spp;
+use super::source::{SceneSource, mesh_folders};
+use super::text::print;
+use anyhow::{Context, ensure};
+use dacrt::Method;
+use dacrt::workloads::RayType;
+use fig8::{Figure, Scene};
+
+/// Interiors and a scan whose meshes are at hand; of Mora's own scenes only Conference is, in
+/// another version.
+const SCENES: [&str; 4] = ["sibenik", "conference", "sponza", "bunny"];
+
+/// Measures through the same path as `run` and prints the paper's table.
+pub fn paper(args: &PaperArgs) -> anyhow::Result<Verdict> {
+    let Paper::Mora2011 = args.paper;
+    let mut figure = Figure::default();
+    let plan = plan(args, &mut figure)?;
+    let progress = Progress::new(plan.groups());
+    plan.warnings.iter().for_each(|w| progress.warn(w));
+    let findings = run::execute(&plan, &progress, &mut |key, _, cells| {
+        figure.take(key, cells);
+        Ok(())
+    })?;
+    progress.finish();
+    let results = format!("\nresults: {}\n", plan.out.display());
+    print(&(figure.text(plan.films[0]) + &results + findings.text()))?;
+    Ok(findings.verdict())
+}
+
+/// The batches that the three columns of Fig. 8 are made of. `figure` gets the scenes, those without
+/// a mesh included.
+fn plan(args: &PaperArgs, figure: &mut Figure) -> anyhow::Result<RunPlan> {
+    let engine = engine(&args.engine)?;
+    let mesh_folders = mesh_folders(&args.meshes);
+    let names = match &args.scenes {
+        Some(names) => distinct(names).collect(),
+        None => SCENES.to_vec(),
+    };
+    let round = |rays, methods: &[Method]| -> anyhow::Result<Round> {
+        let contestants = contestants(methods, &KnobLists::default())?;
+        Ok(Round { rays, contestants })
+    };
+    let (mut scenes, mut warnings) = (Vec::new(), Vec::new());
+    for name in names {
+        let source = SceneSource::find(name)?;
+        if let Some(missing) = source.missing_mesh(&mesh_folders) {
+            ensure!(args.scenes.is_none(), "{missing}");
+            warnings.push(format!("left out: {missing}"));
+            figure.scenes.push(Scene::missing(source.name()));
+            continue;
+        }
+        figure.scenes.push(Scene::new(source.name()));
+        let rounds = [
+            round(RayType::Primary, &[Method::Mora2011, Method::Mora2011Cones])?,
+            round(RayType::ShadowPoint, &[Method::Mora2011Cones])?,
+        ];
+        add_scene(&mut scenes, source, rounds.into())?;
+    }
+    ensure!(
+        !scenes.is_empty(),
+        "none of the meshes of {} is there; --meshes or DACRT_MESHES names folders, and \
+         --scenes hall measures a generated scene",
+        SCENES.join(", ")
+    );
+    check_writable(&args.out).context("--out")?;
+    Ok(RunPlan {
+        scenes,
+        films: vec![film(args.resolution, Spp(1))?],
+        repeats: args.repeats,
+        engine,
+        mesh_folders,
+        out: args.out.clone(),
+        resume: args.resume,
+        warnings,
+    })
+}

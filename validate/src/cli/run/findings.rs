@@ -1,0 +1,76 @@
+//! What is wrong in a run: wrong hits, and methods that disagree.
+
+use super::Progress;
+use super::cells::BatchKey;
+use crate::cli::Verdict;
+use dacrt_validate::results::Cell;
+
+/// What was found so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Findings {
+    wrong: bool,
+    by_printed_rule: bool,
+}
+
+impl Findings {
+    /// Looks at the cells of one batch, and warns of what is wrong with them.
+    pub fn add(&mut self, key: &BatchKey, cells: &[Cell], progress: &Progress) {
+        let BatchKey { scene, rays, .. } = key;
+        // Hits by the printed rule are wrong by design: they are nobody's measure.
+        let by_printed_rule = |cell: &Cell| cell.printed_rule_wrong.is_some_and(|n| n > 0);
+        let mut ours = cells.iter().filter(|cell| !by_printed_rule(cell));
+        if let Some(first) = ours.next()
+            && let Some(other) = ours.find(|cell| cell.hit_hash != first.hit_hash)
+        {
+            self.wrong = true;
+            progress.warn(&format!(
+                "{scene} {rays}: {} and {} have different hits, which no two methods may have",
+                first.key.method, other.key.method
+            ));
+        }
+        for cell in cells.iter().filter(|cell| is_wrong(cell)) {
+            let method = &cell.key.method;
+            if by_printed_rule(cell) {
+                self.by_printed_rule = true;
+                progress.warn(&format!(
+                    "{scene} {rays} {method}: {} wrong of {} rays by the printed rule of \
+                     termination, which --terminate-as-printed true is there to show",
+                    cell.printed_rule_wrong.unwrap_or(0),
+                    cell.ray_count
+                ));
+            } else {
+                self.wrong = true;
+                progress.warn(&format!(
+                    "{scene} {rays} {method}: {} wrong of {} rays; the offending rays are in the \
+                     result file (`dacrt trace --help` says how to trace them again)",
+                    cell.diff.unexplained, cell.ray_count
+                ));
+            }
+        }
+    }
+
+    /// Whether anything was found.
+    pub fn verdict(&self) -> Verdict {
+        match self.wrong || self.by_printed_rule {
+            true => Verdict::Finding,
+            false => Verdict::Good,
+        }
+    }
+
+    /// The last words of a command; empty if all is well.
+    pub fn text(&self) -> &'static str {
+        match (self.wrong, self.by_printed_rule) {
+            (true, _) => "FINDING: there are wrong hits, see the warnings\n",
+            (false, true) => {
+                "FINDING: there are wrong hits, all by the printed rule of termination: this is \
+                 what\n--terminate-as-printed true is for\n"
+            }
+            (false, false) => "",
+        }
+    }
+}
+
+/// Whether a cell has rays, but no times, for its hits were found wrong.
+pub fn is_wrong(cell: &Cell) -> bool {
+    cell.mrays_per_s.is_none() && cell.ray_count > 0
+}
