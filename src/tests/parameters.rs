@@ -170,6 +170,10 @@ fn single_space_changes() -> Vec<SpaceParameters> {
             ..p
         }));
         all.push(SpaceParameters {
+            filter_flushed: !p.filter_flushed,
+            ..p
+        });
+        all.push(SpaceParameters {
             plane_test: !p.plane_test,
             ..p
         });
@@ -439,12 +443,13 @@ fn space_parameters() -> impl Strategy<Value = SpaceParameters> {
         prop::sample::select(vec![0, 10, 100, u32::MAX]),
     );
     let variant = prop::sample::select(variants.to_vec());
-    (variant, limits, splits, any::<[bool; 2]>()).prop_map(
-        |(variant, limits, splits, [plane_test, octants])| SpaceParameters {
+    (variant, limits, splits, any::<[bool; 3]>()).prop_map(
+        |(variant, limits, splits, [plane_test, octants, filter_flushed])| SpaceParameters {
             variant,
             ray_limit: limits.0,
             triangle_limit: limits.1,
             cone_limit: limits.2,
+            filter_flushed,
             estimate_from: splits.0,
             estimate_stride: splits.1,
             nine_axes_below: splits.2,
@@ -500,13 +505,18 @@ fn the_names_of_parameters_are_those_of_their_fields() {
     };
     for (family, other, method, missing) in [
         (&object, &space, Method::Nabata2013, &["sah_ratio"][..]),
-        (&space, &object, Method::Mora2011, &["cone_limit"]),
+        (
+            &space,
+            &object,
+            Method::Mora2011,
+            &["cone_limit", "filter_flushed"],
+        ),
         (&space, &object, Method::Mora2011Cones, &[]),
         (
             &space,
             &object,
             Method::Mora2011Random,
-            &["cone_limit", "terminate_as_printed"],
+            &["cone_limit", "filter_flushed", "terminate_as_printed"],
         ),
     ] {
         let mut missing = missing.to_vec();

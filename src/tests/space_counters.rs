@@ -118,7 +118,7 @@ fn rays_of_one_origin_end_at_what_they_hit_and_what_is_hidden_costs_little() {
 /// The name of a parameter, and parameters that differ in it.
 type Change = (&'static str, SpaceParameters, SpaceParameters);
 
-fn changes(variant: Variant) -> [Change; 10] {
+fn changes(variant: Variant) -> [Change; 11] {
     let p = SpaceParameters {
         variant,
         // So that 2,000 triangles are enough.
@@ -137,6 +137,13 @@ fn changes(variant: Variant) -> [Change; 10] {
             },
         ),
         ("cone_limit", SpaceParameters { cone_limit: 8, ..p }),
+        (
+            "filter_flushed",
+            SpaceParameters {
+                filter_flushed: false,
+                ..p
+            },
+        ),
         (
             "estimate_from",
             SpaceParameters {

@@ -129,6 +129,30 @@ fn numbers_of_rays_around_whole_packets() {
 }
 
 #[test]
+fn packets_that_end_at_jumps() {
+    let mesh = soup(300, 15);
+    let origin = Vec3::new(0.2, -0.3, 2.5);
+    for (len, n) in [
+        (1, 100),
+        (7, 200),
+        (8, 199),
+        (8, 200),
+        (8, 201),
+        (9, 300),
+        (65, 300),
+    ] {
+        for half_angle in [0.0, 1e-4, 0.02] {
+            let jumping = (0..n).map(|i| {
+                let toward = Vec3::new(unit(16, i / len), unit(17, i / len), 0.5) - origin;
+                let mut packet = cone(toward, half_angle, len, 18);
+                packet.nth(i % len).unwrap()
+            });
+            check(&mesh, &batch(origin, jumping));
+        }
+    }
+}
+
+#[test]
 fn packets_wider_than_cones_can_be() {
     let mesh = soup(300, 4);
     // All around, in turns that a packet is a part of, a whole or several of.
