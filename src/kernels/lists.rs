@@ -5,9 +5,8 @@
 use super::naive::TriangleList;
 use super::partition::{Test, partition};
 use super::prepare::has_area;
-use super::records::least_of;
-use super::triangle::{Chunk, Corners, sub3};
-use crate::geometry::{Aabb, COORDINATE_LIMIT, Mesh, Triangle};
+use super::triangle::{Chunk, Corners};
+use crate::geometry::{Aabb, Mesh};
 use crate::simd::{Lanes, MAX_LANES};
 use glam::Vec3;
 
@@ -36,205 +35,54 @@ pub(crate) struct PreparedLists {
     pub bounds: Aabb,
 }
 
+/// Three coordinates in order, and the bits that say whose they are.
+#[inline(always)]
+fn in_order(x: [f32; 3]) -> ([f32; 3], u32) {
+    let mut least = 0;
+    let mut greatest = 2;
+    for c in 1..3 {
+        least = if x[c] < x[least] { c } else { least };
+    }
+    for c in [1, 0] {
+        greatest = if x[c] > x[greatest] { c } else { greatest };
+    }
+    let middle = 3 - least - greatest;
+    let bits = 1 << least | 8 << greatest;
+    ([x[least], x[middle], x[greatest]], bits)
+}
+
 /// Sorts the coordinates of all triangles into the lists, and enters those that can be hit into the
 /// index list, in file order.
 ///
 /// # Safety
-/// The processor has `L`'s instruction set; the lists have room for the mesh, the index list for a
-/// vector behind it.
+/// The lists have room for the mesh.
 #[inline(always)]
-pub(crate) unsafe fn prepare_lists<L: Lanes>(mesh: &Mesh, lists: &TriangleLists) -> PreparedLists {
-    let triangles = mesh.triangles();
+pub(crate) unsafe fn prepare_lists(mesh: &Mesh, lists: &TriangleLists) -> PreparedLists {
+    let mut bounds = Aabb::EMPTY;
     let mut len = 0;
-    // SAFETY: as promised; the last triangles are read from a copy, and stored one by one.
-    unsafe {
-        let mut least = [L::splat(f32::INFINITY); 3];
-        // Negated.
-        let mut greatest = least;
-        for at in (0..triangles.len()).step_by(L::N) {
-            let left = triangles.len() - at;
-            let mut last = [Triangle::new(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO); MAX_LANES];
-            let from = if left >= L::N {
-                triangles.as_ptr().add(at)
-            } else {
-                last[..left].copy_from_slice(&triangles[at..]);
-                last.as_ptr()
-            };
-            let corners = load_corners::<L>(from);
-            let mut code = L::splat_u(0);
-            let mut middle = [L::splat(0.0); 3];
-            let (mut lo, mut hi) = (middle, middle);
-            for axis in 0..3 {
-                let [a, b, c] = [corners[0][axis], corners[1][axis], corners[2][axis]];
-                let sorted = in_order::<L>(a, b, c);
-                (lo[axis], middle[axis], hi[axis]) = (sorted.least, sorted.middle, sorted.greatest);
-                for (bit, whose) in sorted.whose.into_iter().enumerate() {
-                    let bit = L::splat_u(1 << (6 * axis + bit));
-                    code = L::or_u(code, L::select_u(whose, bit, L::splat_u(0)));
-                }
-            }
-            let rest = [middle[0], middle[1], middle[2], L::from_bits(code)];
-            if left >= L::N {
-                for axis in 0..3 {
-                    L::store2(lists.spans[axis].add(at), [lo[axis], hi[axis]]);
-                }
-                L::store4(lists.rest.add(at), rest);
-            } else {
-                let mut records = [[0f32; 4]; MAX_LANES];
-                L::store4(records.as_mut_ptr(), rest);
-                std::ptr::copy_nonoverlapping(records.as_ptr(), lists.rest.add(at), left);
-                for axis in 0..3 {
-                    let mut spans = [[0f32; 2]; MAX_LANES];
-                    L::store2(spans.as_mut_ptr(), [lo[axis], hi[axis]]);
-                    std::ptr::copy_nonoverlapping(spans.as_ptr(), lists.spans[axis].add(at), left);
-                }
-            }
-            let hittable = L::and(hittable::<L>(from, &corners), L::first(left));
-            for axis in 0..3 {
-                let upper = L::sub(L::splat(0.0), hi[axis]);
-                least[axis] = L::select(hittable, L::min(lo[axis], least[axis]), least[axis]);
-                greatest[axis] = L::select(hittable, L::min(upper, greatest[axis]), greatest[axis]);
-            }
-            // Lanes behind the mesh name a triangle, too: compressing may leave any behind the list.
-            let id = L::select_u(
-                L::first(left),
-                L::count_from(at as u32),
-                L::splat_u(at as u32),
-            );
-            L::store_u(lists.ids.add(len), L::compress_u(hittable, id));
-            len += L::bits(hittable).count_ones() as usize;
-        }
-        PreparedLists {
-            len,
-            bounds: Aabb {
-                min: Vec3::from_array(least3::<L>(&least)),
-                max: -Vec3::from_array(least3::<L>(&greatest)),
-            },
-        }
-    }
-}
-
-/// Corners of `L::N` triangles in a row.
-///
-/// # Safety
-/// The processor has `L`'s instruction set; there are so many.
-#[inline(always)]
-unsafe fn load_corners<L: Lanes>(from: *const Triangle) -> [[L::F; 3]; 3] {
-    const FLOATS: usize = size_of::<Triangle>() / size_of::<f32>();
-    const PLACES: [u32; MAX_LANES] = {
-        let mut places = [0; MAX_LANES];
-        let mut lane = 0;
-        while lane < MAX_LANES {
-            places[lane] = (FLOATS * lane) as u32;
-            lane += 1;
-        }
-        places
-    };
-    // SAFETY: as promised.
-    unsafe {
-        let mut corners = [[L::splat(0.0); 3]; 3];
-        let places = L::load_u(PLACES.as_ptr());
-        for (corner, v) in corners.iter_mut().enumerate() {
-            for (axis, v) in v.iter_mut().enumerate() {
-                let base = from.cast::<f32>().add(3 * corner + axis);
-                *v = L::gather(base, places, L::first(L::N));
-            }
-        }
-        corners
-    }
-}
-
-/// Three coordinates in order; the first three of `whose` say which of them is the least, the others
-/// which is the greatest. Never the same one, and one of each.
-struct InOrder<L: Lanes> {
-    least: L::F,
-    middle: L::F,
-    greatest: L::F,
-    whose: [L::M; 6],
-}
-
-/// # Safety
-/// The processor has `L`'s instruction set.
-#[inline(always)]
-unsafe fn in_order<L: Lanes>(a: L::F, b: L::F, c: L::F) -> InOrder<L> {
-    // SAFETY: as promised.
-    unsafe {
-        // Of equal ones the first is the least and the last the greatest.
-        let all = L::first(L::N);
-        let (ba, cb, ca) = (L::lt(b, a), L::lt(c, b), L::lt(c, a));
-        let least_a = L::and_not(L::and_not(all, ba), ca);
-        let least_b = L::and_not(ba, cb);
-        let least_c = L::and_not(L::and_not(all, least_a), least_b);
-        let greatest_c = L::and_not(L::and_not(all, cb), ca);
-        let greatest_b = L::and_not(cb, ba);
-        let greatest_a = L::and_not(L::and_not(all, greatest_c), greatest_b);
-        let least = L::select(least_a, a, L::select(least_b, b, c));
-        let greatest = L::select(greatest_c, c, L::select(greatest_b, b, a));
-        let taken_a = L::or(least_a, greatest_a);
-        let taken_b = L::or(least_b, greatest_b);
-        InOrder {
-            least,
-            middle: L::select(taken_a, L::select(taken_b, c, b), a),
-            greatest,
-            whose: [
-                least_a, least_b, least_c, greatest_a, greatest_b, greatest_c,
-            ],
-        }
-    }
-}
-
-/// Lanes of triangles that can be hit: valid ones whose cross product, in float64, is not zero.
-///
-/// # Safety
-/// The processor has `L`'s instruction set; `L::N` triangles at `from`, `corners` are theirs.
-#[inline(always)]
-unsafe fn hittable<L: Lanes>(from: *const Triangle, corners: &[[L::F; 3]; 3]) -> L::M {
-    // SAFETY: as promised.
-    unsafe {
-        let limit = L::splat(COORDINATE_LIMIT);
-        let mut valid = L::first(L::N);
-        for v in corners.iter().flatten() {
-            valid = L::and(valid, L::lt(L::abs(*v), limit));
-        }
-        // In float32, a component that is larger than all roundings together cannot be zero.
-        let (e, f) = (
-            sub3::<L>(&corners[1], &corners[0]),
-            sub3::<L>(&corners[2], &corners[0]),
-        );
-        let mut clear = L::first(0);
+    for (prim, t) in mesh.triangles().iter().enumerate() {
+        let mut rest = [0.0; 4];
+        let mut code = 0;
+        let (mut lo, mut hi) = (Vec3::ZERO, Vec3::ZERO);
         for axis in 0..3 {
-            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
-            let (p, q) = (L::mul(e[y], f[z]), L::mul(e[z], f[y]));
-            let roundings = L::mul(
-                L::add(L::abs(p), L::abs(q)),
-                L::splat(8.0 / (1 << 24) as f32),
-            );
-            clear = L::or(clear, L::lt(roundings, L::abs(L::sub(p, q))));
+            let ([least, middle, greatest], bits) = in_order([t.a[axis], t.b[axis], t.c[axis]]);
+            (lo[axis], hi[axis]) = (least, greatest);
+            rest[axis] = middle;
+            code |= bits << (6 * axis);
+            // SAFETY: there is room for the mesh; so below.
+            unsafe { *lists.spans[axis].add(prim) = [least, greatest] };
         }
-        let mut unclear = L::bits(L::and_not(valid, clear));
-        let mut flat = [0u32; MAX_LANES];
-        while unclear != 0 {
-            let lane = unclear.trailing_zeros() as usize;
-            unclear &= unclear - 1;
-            flat[lane] = !has_area(&*from.add(lane)) as u32;
+        rest[3] = f32::from_bits(code);
+        // SAFETY: as above.
+        unsafe { *lists.rest.add(prim) = rest };
+        if t.is_valid() && has_area(t) {
+            bounds = bounds.union(Aabb { min: lo, max: hi });
+            // SAFETY: no more indices than triangles.
+            unsafe { *lists.ids.add(len) = prim as u32 };
+            len += 1;
         }
-        let flat = L::eq_u(L::load_u(flat.as_ptr()), L::splat_u(1));
-        L::and_not(valid, flat)
     }
-}
-
-/// # Safety
-/// The processor has `L`'s instruction set.
-#[inline(always)]
-unsafe fn least3<L: Lanes>(v: &[L::F; 3]) -> [f32; 3] {
-    // SAFETY: as promised.
-    unsafe {
-        [
-            least_of::<L>(v[0]),
-            least_of::<L>(v[1]),
-            least_of::<L>(v[2]),
-        ]
-    }
+    PreparedLists { len, bounds }
 }
 
 /// The corners of the triangles at `ids`, put together again, and the bits of the fourth list.

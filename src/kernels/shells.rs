@@ -219,7 +219,7 @@ macro_rules! shells {
             $(#[$feature])?
             unsafe fn prepare_lists(mesh: &Mesh, lists: &TriangleLists) -> PreparedLists {
                 // SAFETY: as above.
-                unsafe { lists::prepare_lists::<L>(mesh, lists) }
+                unsafe { lists::prepare_lists(mesh, lists) }
             }
 
             $(#[$feature])?
