@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{random_rays, soup};
+use common::{finest_space, random_rays, soup, space_presets};
 use dacrt::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -61,8 +61,8 @@ fn the_allocator_is_counted() {
     assert_eq!((calls, bytes), (2, 1000));
 }
 
-#[test]
-fn a_trace_allocates_nothing() {
+/// All presets, and switches that may want more memory.
+fn all_parameters() -> Vec<Parameters> {
     let sampling = ObjectParameters {
         axes: Axes::All,
         sample_middle: true,
@@ -70,18 +70,30 @@ fn a_trace_allocates_nothing() {
         alpha_refresh: true,
         ..ObjectParameters::NABATA2013
     };
+    let mut all = Vec::from(Method::ALL.map(Method::parameters));
+    all.push(sampling.into());
+    for preset in space_presets().into_iter().chain(finest_space()) {
+        let switched = SpaceParameters {
+            estimate_from: 0,
+            plane_test: true,
+            octants: true,
+            ..preset
+        };
+        all.extend([preset, switched].map(Parameters::from));
+    }
+    all
+}
+
+#[test]
+fn a_trace_allocates_nothing() {
     for shared in [false, true] {
-        let (mesh, batch) = (soup(3000, 1), random_rays(10_000, 2, shared));
-        let mut workspace = Workspace::new(batch.len(), mesh.len());
+        let (mesh, batch) = (soup(1000, 1), random_rays(3000, 2, shared));
         let mut hits = Hits::misses(batch.len());
         let mut occluded = vec![0; batch.len()];
         for isa in Isa::available() {
-            for parameters in Method::ALL
-                .map(Method::parameters)
-                .into_iter()
-                .chain([sampling])
-            {
+            for parameters in all_parameters() {
                 let tracer = Tracer::new(parameters).with_isa(isa).with_audit(true);
+                let mut workspace = tracer.workspace(batch.len(), mesh.len());
                 let (trace, calls, _) =
                     counted(|| tracer.nearest(&mesh, &batch, &mut workspace, &mut hits));
                 assert_eq!(calls, 0, "nearest, {isa}");
@@ -97,42 +109,106 @@ fn a_trace_allocates_nothing() {
 
 #[test]
 fn a_workspace_allocates_the_bytes_that_it_says() {
-    for (rays, triangles) in [
-        (0, 0),
-        (1, 0),
-        (0, 1),
-        (15, 3),
-        (16, 3),
-        (17, 3),
-        (9999, 777),
-    ] {
-        let (workspace, _, bytes) = counted(|| Workspace::new(rays, triangles));
-        assert_eq!(
-            workspace.bytes(),
-            bytes,
-            "{rays} rays, {triangles} triangles"
-        );
-        assert_eq!(Workspace::bytes_for(rays, triangles), bytes);
+    for parameters in all_parameters() {
+        for (rays, triangles) in [
+            (0, 0),
+            (1, 0),
+            (0, 1),
+            (15, 3),
+            (16, 3),
+            (17, 3),
+            (9999, 777),
+        ] {
+            let (workspace, _, bytes) = counted(|| Workspace::new(&parameters, rays, triangles));
+            let at = format!("{rays} rays, {triangles} triangles, {parameters:?}");
+            assert_eq!(workspace.bytes(), bytes, "{at}");
+            assert_eq!(
+                Workspace::bytes_for(&parameters, rays, triangles),
+                bytes,
+                "{at}"
+            );
+        }
     }
 }
 
-/// The formula of [`Workspace`]'s documentation.
+/// The formulas of [`Workspace`]'s documentation.
 #[test]
 fn a_workspace_is_linear_in_rays_and_triangles() {
-    let constant = Workspace::bytes_for(0, 0);
-    assert!((700_000..740_000).contains(&constant), "{constant}");
-    for (rays, triangles) in [(16, 0), (0, 1), (1 << 20, 12_345), (1 << 24, 30_000_000)] {
-        let bytes = 104 * rays + 64 * triangles + constant;
-        assert_eq!(Workspace::bytes_for(rays, triangles), bytes);
+    let object: fn(usize, usize) -> usize =
+        |rays, triangles| 84 * rays.next_multiple_of(16) + 20 * rays + 64 * triangles;
+    // Cones have at least 8 rays; of each 64 rays there is a word of termination bits.
+    let space: fn(usize, usize) -> usize =
+        |rays, triangles| 52 * rays + 28 * (rays / 8) + 8 * (rays / 64) + 44 * triangles;
+    for (method, formula, constants) in [
+        (Method::Afra2012, object, 700_000..740_000),
+        (Method::Mora2011, space, 500..1000),
+    ] {
+        let parameters = method.parameters();
+        let constant = Workspace::bytes_for(&parameters, 0, 0);
+        assert!(constants.contains(&constant), "{method}: {constant}");
+        let check = |rays, triangles| {
+            assert_eq!(
+                Workspace::bytes_for(&parameters, rays, triangles),
+                formula(rays, triangles) + constant,
+                "{method}: {rays} rays, {triangles} triangles"
+            );
+        };
+        for (rays, triangles) in [(16, 0), (0, 1), (1 << 20, 12_345), (1 << 24, 30_000_000)] {
+            check(rays, triangles);
+        }
+        for n in 0..200 {
+            check(n, 0);
+            check(0, n);
+        }
     }
-    for rays in 1..100usize {
-        let bytes = 84 * rays.next_multiple_of(16) + 20 * rays + constant;
-        assert_eq!(Workspace::bytes_for(rays, 0), bytes);
+}
+
+#[test]
+fn methods_of_one_family_share_workspaces() {
+    let object = [Method::Afra2012, Method::Nabata2013];
+    for made_for in Method::ALL {
+        let workspace = Workspace::new(&made_for.parameters(), 100, 30);
+        for used_for in Method::ALL {
+            let parameters = used_for.parameters();
+            let same_family = object.contains(&made_for) == object.contains(&used_for);
+            assert_eq!(
+                workspace.suits(&parameters, 100, 30),
+                same_family,
+                "{made_for}, {used_for}"
+            );
+            assert!(!workspace.suits(&parameters, 101, 30));
+            assert!(!workspace.suits(&parameters, 100, 31));
+        }
     }
+}
+
+fn trace_in_workspace_of(made_for: Method, used_for: Method) {
+    let mut workspace = Workspace::new(&made_for.parameters(), 10, 10);
+    let (mesh, batch) = (Mesh::default(), Batch::default());
+    let tracer = Tracer::new(used_for.parameters());
+    tracer.nearest(&mesh, &batch, &mut workspace, &mut Hits::misses(0));
+}
+
+#[test]
+#[should_panic(expected = "the workspace is for another kind of method")]
+fn a_workspace_for_lists_of_triangles_is_none_for_cells() {
+    trace_in_workspace_of(Method::Nabata2013, Method::Mora2011);
+}
+
+#[test]
+#[should_panic(expected = "the workspace is for another kind of method")]
+fn a_workspace_for_cells_is_none_for_lists_of_triangles() {
+    trace_in_workspace_of(Method::Mora2011Cones, Method::Afra2012);
 }
 
 #[test]
 #[should_panic(expected = "at most 10^9 rays")]
 fn a_workspace_refuses_more_rays_than_gathers_can_name() {
-    Workspace::new(1 << 30, 0);
+    Workspace::new(&Method::Afra2012.parameters(), 1 << 30, 0);
+}
+
+#[test]
+#[should_panic(expected = "at most 10^9 rays")]
+fn so_does_a_workspace_for_cells() {
+    Workspace::new(&Method::Mora2011.parameters(), 1 << 30, 0);
 }

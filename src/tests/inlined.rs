@@ -11,15 +11,13 @@ use std::process::Command;
 #[test]
 fn no_vector_operation_is_a_call() {
     // So that the kernels are in this binary.
-    let tracer = Tracer::new(Method::Nabata2013.parameters());
     let (mesh, batch) = (Mesh::default(), Batch::default());
-    tracer.nearest(
-        &mesh,
-        &batch,
-        &mut Workspace::new(0, 0),
-        &mut Hits::misses(0),
-    );
-    tracer.any(&mesh, &batch, &mut Workspace::new(0, 0), &mut []);
+    for method in Method::ALL {
+        let tracer = Tracer::new(method.parameters());
+        let mut workspace = tracer.workspace(0, 0);
+        tracer.nearest(&mesh, &batch, &mut workspace, &mut Hits::misses(0));
+        tracer.any(&mesh, &batch, &mut workspace, &mut []);
+    }
 
     let this = std::env::current_exe().unwrap();
     let output = match Command::new("nm").arg(this).output() {

@@ -1,6 +1,9 @@
 //! Whether and where a ray hits a triangle: the contracts "Ray", "Triangle" and "Hit", on every
-//! instruction set, by both methods, with own and with shared origins.
+//! instruction set, by all methods, with own and with shared origins.
 
+mod common;
+
+use common::presets_and_finest;
 use dacrt::*;
 use glam::Vec3;
 use proptest::prelude::*;
@@ -14,40 +17,35 @@ fn wall(z: f32) -> Triangle {
     Triangle::new(v(-64.0, -64.0, z), v(64.0, -64.0, z), v(0.0, 96.0, z))
 }
 
-/// All tracers that must find the same.
-fn tracers() -> impl Iterator<Item = Tracer> {
-    Method::ALL.into_iter().flat_map(|method| {
-        Isa::available().flat_map(move |isa| {
-            let fine = ObjectParameters {
-                leaf_triangles: 1,
-                leaf_rays: 0,
-                min_rays: 0,
-                ..method.parameters()
-            };
-            [method.parameters(), fine].map(|p| Tracer::new(p).with_isa(isa))
-        })
-    })
-}
-
-/// The nearest hits and what the trace was like; any-hit traces are checked against them.
+/// The nearest hits, the same of all methods, and what the trace was like; any-hit traces are
+/// checked against them.
 fn nearest(mesh: &Mesh, rays: &[Ray]) -> (Vec<(f32, u32)>, Trace) {
     let batch: Batch = rays.iter().copied().collect();
-    let mut workspace = Workspace::new(batch.len(), mesh.len());
     let mut found = None;
-    for tracer in tracers() {
-        let mut hits = Hits::misses(batch.len());
-        let trace = tracer.nearest(mesh, &batch, &mut workspace, &mut hits);
-        let mut occluded = vec![2; batch.len()];
-        tracer.any(mesh, &batch, &mut workspace, &mut occluded);
-        for (&prim, &occluded) in hits.prim.iter().zip(&occluded) {
-            assert_eq!(occluded, (prim != MISS) as u8, "any hit, {tracer:?}");
+    for parameters in presets_and_finest() {
+        let mut workspace = Workspace::new(&parameters, batch.len(), mesh.len());
+        for isa in Isa::available() {
+            let tracer = Tracer::new(parameters).with_isa(isa);
+            let mut hits = Hits::misses(batch.len());
+            let trace = tracer.nearest(mesh, &batch, &mut workspace, &mut hits);
+            let mut occluded = vec![2; batch.len()];
+            tracer.any(mesh, &batch, &mut workspace, &mut occluded);
+            for (&prim, &occluded) in hits.prim.iter().zip(&occluded) {
+                assert_eq!(occluded, (prim != MISS) as u8, "any hit, {tracer:?}");
+            }
+            for (&t, &prim) in hits.t.iter().zip(&hits.prim) {
+                assert_eq!(t == f32::INFINITY, prim == MISS, "{tracer:?}");
+            }
+            let records: Vec<(f32, u32)> = hits.t.iter().copied().zip(hits.prim).collect();
+            let (first, first_trace) = found.get_or_insert_with(|| (records.clone(), trace));
+            assert_eq!(&records, first, "{tracer:?}");
+            let about_the_rays = |t: &Trace| (t.shared_origin, t.invalid_rays);
+            assert_eq!(about_the_rays(&trace), about_the_rays(first_trace));
+            if trace.invalid_rays == batch.len() as u64 {
+                let c = trace.counters;
+                assert_eq!(c.ray_box + c.cone_box + c.ray_triangle, 0, "{tracer:?}");
+            }
         }
-        for (&t, &prim) in hits.t.iter().zip(&hits.prim) {
-            assert_eq!(t == f32::INFINITY, prim == MISS, "{tracer:?}");
-        }
-        let records: Vec<(f32, u32)> = hits.t.iter().copied().zip(hits.prim).collect();
-        let (first, _) = found.get_or_insert_with(|| (records.clone(), trace));
-        assert_eq!(&records, first, "{tracer:?}");
     }
     found.unwrap()
 }
@@ -291,7 +289,6 @@ fn every_kind_of_invalid_ray_is_a_counted_miss() {
         assert!(!bad.is_valid(), "{bad:?}");
         let (hits, trace) = nearest(&mesh, &[bad]);
         assert_eq!((hits[0].1, trace.invalid_rays), (MISS, 1), "{bad:?}");
-        assert_eq!(trace.counters.ray_box + trace.counters.ray_triangle, 0);
     }
     // Among good rays they change nothing.
     let mut rays = Vec::new();
@@ -358,7 +355,7 @@ fn hits_with_fewer_prims_than_rays_are_refused() {
     let mut hits = Hits::misses(2);
     hits.prim.pop();
     let tracer = Tracer::new(Method::Afra2012.parameters());
-    tracer.nearest(&mesh, &batch, &mut Workspace::new(2, 1), &mut hits);
+    tracer.nearest(&mesh, &batch, &mut tracer.workspace(2, 1), &mut hits);
 }
 
 fn coordinate() -> impl Strategy<Value = f32> {
@@ -399,8 +396,8 @@ proptest! {
         }
         let (all, trace) = nearest(&Mesh::new(triangles.clone()), &rays);
         let mut expected = vec![(f32::INFINITY, MISS); rays.len()];
-        let mut workspace = Workspace::new(3, 1);
         let tracer = Tracer::new(Method::Afra2012.parameters());
+        let mut workspace = tracer.workspace(3, 1);
         for (prim, &triangle) in triangles.iter().enumerate() {
             let mesh = Mesh::new(vec![triangle]);
             for (ray, expected) in rays.iter().zip(&mut expected) {

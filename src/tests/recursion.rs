@@ -2,57 +2,53 @@
 
 mod common;
 
-use common::{Case, bits, brute_force, random_rays, soup};
+use common::{
+    Case, Check, bits, brute_force, finest_object, finest_space, random_rays, soup, space_presets,
+};
 use dacrt::*;
 use glam::Vec3;
 
-/// Both presets, and both down to single triangles and rays.
-fn all_parameters() -> Vec<Parameters> {
-    let mut all = Vec::new();
-    for method in Method::ALL {
-        let preset = method.parameters();
-        let fine = ObjectParameters {
-            leaf_triangles: 1,
-            leaf_rays: 0,
-            ..preset
-        };
+/// Presets, and lists of triangles down to single ones.
+fn object_parameters() -> Vec<ObjectParameters> {
+    let mut all = vec![ObjectParameters::AFRA2012, ObjectParameters::NABATA2013];
+    for fine in finest_object() {
         let longest = ObjectParameters {
             axes: Axes::Longest,
             bins: 2,
             ..fine
         };
-        all.extend([preset, fine, longest]);
+        all.extend([fine, longest]);
     }
     all
 }
 
-/// Traces on a thread with a small stack; the hits are those of the naive step over everything.
-/// Returns the counters of all traces.
+/// The same of all methods; with cells that are always split in the middle, and always at the
+/// estimate.
+fn all_parameters() -> Vec<Parameters> {
+    let mut all: Vec<Parameters> = object_parameters().into_iter().map(Into::into).collect();
+    all.extend(space_presets().map(Parameters::from));
+    for fine in finest_space() {
+        let estimated = SpaceParameters {
+            estimate_from: 0,
+            estimate_stride: 1,
+            ..fine
+        };
+        all.extend([fine, estimated].map(Parameters::from));
+    }
+    all
+}
+
+/// Checks all methods; returns the counters.
 fn check(mesh: Mesh, batch: Batch) -> Vec<Counters> {
-    let mut case = Case::new(mesh, batch);
-    let trace = move || {
-        let (expected, _) = case.nearest(Tracer::new(brute_force()));
-        let mut counters = Vec::new();
-        for parameters in all_parameters() {
-            for isa in Isa::available() {
-                let tracer = Tracer::new(parameters).with_isa(isa);
-                let (hits, trace) = case.nearest(tracer);
-                assert_eq!(bits(&hits), bits(&expected), "{tracer:?}");
-                let (occluded, _) = case.any(tracer);
-                for (&prim, occluded) in expected.prim.iter().zip(occluded) {
-                    assert_eq!(occluded, (prim != MISS) as u8, "{tracer:?}");
-                }
-                counters.push(trace.counters);
-            }
-        }
-        counters
+    let check = Check {
+        mesh,
+        batch,
+        parameters: all_parameters(),
+        own_origins: false,
+        grazing: false,
     };
-    std::thread::Builder::new()
-        .stack_size(256 << 10)
-        .spawn(trace)
-        .unwrap()
-        .join()
-        .unwrap()
+    let traces = check.run().into_iter();
+    traces.map(|trace| trace.counters).collect()
 }
 
 /// A triangle at `center`, about `size` large.
@@ -147,24 +143,34 @@ fn nothing_and_next_to_nothing() {
             check(mesh.clone(), batch.clone());
         }
     }
-    let mut case = Case::new(meshes[1].clone(), batches[1].clone());
-    let (hits, trace) = case.nearest(Tracer::new(Method::Nabata2013.parameters()));
-    assert_eq!(hits.prim, [0]);
-    assert_eq!((trace.counters.nodes, trace.counters.leaves), (1, 1));
-    assert_eq!(trace.counters.ray_triangle, 1);
+    let case = Case::new(meshes[1].clone(), batches[1].clone());
+    for method in Method::ALL {
+        let (hits, trace) = case.nearest(Tracer::new(method.parameters()));
+        assert_eq!(hits.prim, [0]);
+        let counters = trace.counters;
+        assert_eq!((counters.nodes, counters.leaves), (1, 1), "{method}");
+        assert_eq!(counters.ray_triangle, 1, "{method}");
+    }
 }
 
 #[test]
 fn a_workspace_serves_smaller_batches_and_meshes() {
-    let mut large = Case::new(soup(2000, 1), random_rays(5000, 2, false));
-    let tracer = Tracer::new(Method::Nabata2013.parameters());
-    large.nearest(tracer);
-    let mut small = Case::new(soup(300, 3), random_rays(77, 4, false));
-    let (expected, _) = small.nearest(tracer);
-    std::mem::swap(&mut small.workspace, &mut large.workspace);
-    for isa in Isa::available() {
-        let (hits, _) = small.nearest(tracer.with_isa(isa));
-        assert_eq!(bits(&hits), bits(&expected), "{isa}");
+    for shared in [false, true] {
+        let large = Case::new(soup(2000, 1), random_rays(5000, 2, shared));
+        let small = Case::new(soup(300, 3), random_rays(77, 4, shared));
+        let (expected, _) = small.nearest(Tracer::new(brute_force()));
+        for method in Method::ALL {
+            for isa in Isa::available() {
+                let tracer = Tracer::new(method.parameters()).with_isa(isa);
+                let mut used = tracer.workspace(5000, 2000);
+                let first = large.nearest_in(tracer, &mut used);
+                let in_used = small.nearest_in(tracer, &mut used);
+                assert_eq!(bits(&in_used.0), bits(&expected), "{method} {isa}");
+                assert_eq!(in_used, small.nearest(tracer), "{method} {isa}");
+                let again = large.nearest_in(tracer, &mut used);
+                assert_eq!(again, first, "{method} {isa}");
+            }
+        }
     }
 }
 
@@ -229,12 +235,12 @@ fn short_lists_that_keep_all_rays_stay_within_their_memory() {
     );
 }
 
-/// Checks the peak of all parameters; returns the largest.
+/// Checks the peak of all methods that split lists of triangles; returns the largest.
 fn check_lists(mesh: Mesh, batch: Batch, n: usize) -> u64 {
-    let mut case = Case::new(mesh, batch);
+    let case = Case::new(mesh, batch);
     let mut most = 0;
     let mut reference = None;
-    for parameters in all_parameters() {
+    for parameters in object_parameters() {
         for skip in [0.5, 1.0] {
             let tracer = Tracer::new(ObjectParameters { skip, ..parameters });
             let (hits, trace) = case.nearest(tracer);

@@ -1,4 +1,4 @@
-//! On every scene and for every ray type, nearest and any hit: the same bits from both methods on
+//! On every scene and for every ray type, nearest and any hit: the same bits from all methods on
 //! all instruction sets, the same counters on all instruction sets.
 
 use dacrt::scene::{self, Light, Scene, SceneError};
@@ -65,8 +65,10 @@ fn check(name: &str) {
     let mesh = &scene.mesh;
     let edge = if mesh.len() > LARGE { 64 } else { 128 };
     let film = Film::new(edge, edge, 1).unwrap();
-    let mut workspace = Workspace::new(film.rays(), mesh.len());
-    let mut other_workspace = Workspace::new(film.rays(), mesh.len());
+    let workspace =
+        |method: Method| Tracer::new(method.parameters()).workspace(film.rays(), mesh.len());
+    let mut object_workspace = workspace(Method::Afra2012);
+    let mut space_workspace = workspace(Method::Mora2011);
     let view = &scene.description.cameras[0];
     let [eye, look_at, up] = [view.eye, view.look_at, view.up].map(DVec3::from_array);
     let camera = Camera::new(eye, look_at, up, view.fov_degrees).unwrap();
@@ -81,7 +83,7 @@ fn check(name: &str) {
             .rays(ray_type, &mut |batch| {
                 let mut hits = Hits::misses(batch.len());
                 let tracer = Tracer::new(Method::Afra2012.parameters());
-                tracer.nearest(mesh, batch, &mut workspace, &mut hits);
+                tracer.nearest(mesh, batch, &mut object_workspace, &mut hits);
                 hits
             })
             .unwrap()
@@ -90,27 +92,40 @@ fn check(name: &str) {
             *isa != Isa::Portable || mesh.len() <= PORTABLE_LIMIT || FEW.contains(&ray_type)
         });
         let isas: Vec<Isa> = isas.collect();
-        let traced = |method: Method, workspace: &mut Workspace| -> Vec<Found> {
-            let mut found = Vec::new();
-            for &isa in &isas {
-                let tracer = Tracer::new(method.parameters()).with_isa(isa);
-                found.push(trace(tracer, mesh, &batch, workspace));
-            }
-            found
+        let traced = |methods: &[Method], workspace: &mut Workspace| -> Vec<(Method, Vec<Found>)> {
+            let found = |method: &Method| {
+                let tracers = isas
+                    .iter()
+                    .map(|&isa| Tracer::new(method.parameters()).with_isa(isa));
+                let found = tracers.map(|tracer| trace(tracer, mesh, &batch, workspace));
+                (*method, found.collect())
+            };
+            methods.iter().map(found).collect()
         };
-        // One thread a method, so that the largest scene, the last to end, uses two processors.
-        let [baseline, sampling] = Method::ALL;
-        let (baseline, sampling) = std::thread::scope(|scope| {
-            let other = scope.spawn(|| traced(sampling, &mut other_workspace));
-            (traced(baseline, &mut workspace), other.join().unwrap())
+        // Without a shared origin Mora's presets are one; see `agreement.rs`.
+        let space: &[Method] = match batch.shared_origin() {
+            Some(_) => &[
+                Method::Mora2011,
+                Method::Mora2011Cones,
+                Method::Mora2011Random,
+            ],
+            None => &[Method::Mora2011Random],
+        };
+        // One thread a family, so that the largest scene, the last to end, uses two processors.
+        let object = &[Method::Afra2012, Method::Nabata2013];
+        let all = std::thread::scope(|scope| {
+            let other = scope.spawn(|| traced(space, &mut space_workspace));
+            let mut all = traced(object, &mut object_workspace);
+            all.extend(other.join().unwrap());
+            all
         });
 
-        let first = &baseline[0];
+        let first = &all[0].1[0];
         for (&prim, &occluded) in first.prim.iter().zip(&first.occluded) {
             assert_eq!(occluded, (prim != MISS) as u8, "{name} {ray_type}");
         }
         all_hits += first.prim.iter().filter(|&&p| p != MISS).count();
-        for (method, found) in Method::ALL.into_iter().zip([&baseline, &sampling]) {
+        for (method, found) in &all {
             for (isa, f) in isas.iter().zip(found) {
                 let at = format!("{name} {ray_type} {method} {isa}");
                 assert_eq!(f.traces, found[0].traces, "{at}");

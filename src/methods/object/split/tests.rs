@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::kernels::{Kernels, Rays};
-use crate::methods::{Counters, Method, Parameters, Workspace};
+use crate::methods::Counters;
+use crate::methods::object::{Memory, ObjectParameters};
 use crate::rays::active::ActiveRays;
 use crate::simd::Isa;
 use crate::{Batch, Mesh, PADDING, Ray, Triangle};
@@ -33,31 +34,31 @@ fn batch(n: u64) -> Batch {
 
 /// Prepares a trace as `Tracer` does, and hands the root to a check.
 fn at_root(
-    parameters: Parameters,
+    parameters: ObjectParameters,
     mesh: &Mesh,
     batch: &Batch,
     check: impl FnOnce(&mut Divide, Node, List),
 ) {
-    let mut workspace = Workspace::new(batch.len(), mesh.len());
+    let mut memory = Memory::new(batch.len(), mesh.len());
     let kernels = Kernels::of(Isa::best());
-    let (active, scratch) = workspace.active.streams();
+    let (active, scratch) = memory.active.streams();
     let mut prims = vec![crate::MISS; batch.len()];
     let mut rays = Rays {
         active,
         scratch,
-        directions: workspace.directions.as_mut_ptr(),
-        t: workspace.t.as_mut_ptr(),
+        directions: memory.directions.as_mut_ptr(),
+        t: memory.t.as_mut_ptr(),
         prim: prims.as_mut_ptr(),
         shared_origin: None,
         special: false,
         least_tmin: 0.0,
         any_hit: false,
     };
-    // SAFETY: the processor was checked; the workspace has room for batch and mesh.
+    // SAFETY: the processor was checked; the memory has room for batch and mesh.
     let (prepared, (items, bounds)) = unsafe {
         (
             (kernels.prepare_rays)(batch, &rays),
-            (kernels.prepare_triangles)(mesh, &mut workspace.items),
+            (kernels.prepare_triangles)(mesh, &mut memory.items),
         )
     };
     rays.special = prepared.special;
@@ -68,10 +69,10 @@ fn at_root(
         audit: false,
         rays,
         triangles: mesh.triangles(),
-        items: &mut workspace.items[..items],
-        item_scratch: &mut workspace.item_scratch[..items],
-        candidates: &mut workspace.candidates,
-        samples: &mut workspace.samples,
+        items: &mut memory.items[..items],
+        item_scratch: &mut memory.item_scratch[..items],
+        candidates: &mut memory.candidates,
+        samples: &mut memory.samples,
         capacity: ActiveRays::capacity(batch.len()),
         counters: Counters::default(),
     };
@@ -242,7 +243,7 @@ fn the_depth_is_limited_however_triangles_are_spaced() {
         })
         .collect();
     let mesh = Mesh::new(triangles);
-    for parameters in Method::ALL.map(Method::parameters) {
+    for parameters in [ObjectParameters::AFRA2012, ObjectParameters::NABATA2013] {
         at_root(parameters, &mesh, &batch(1), |divide, root, list| {
             assert!(root.len() > 300);
             let limit = MAX_DEPTH + root.len().next_power_of_two().ilog2();
@@ -252,7 +253,7 @@ fn the_depth_is_limited_however_triangles_are_spaced() {
     }
     let identical = Mesh::new(vec![mesh.triangles()[0]; 1000]);
     at_root(
-        Method::Afra2012.parameters(),
+        ObjectParameters::AFRA2012,
         &identical,
         &batch(1),
         |divide, root, list| {
