@@ -14,7 +14,7 @@
 
 use super::partition::{Test, partition};
 use super::prepare;
-use super::records::{Range, RayRecords};
+use super::records::{Range, RayRecords, least_of};
 use super::slab::PADDING;
 use super::triangle::{cross3, dot};
 use crate::geometry::Aabb;
@@ -29,8 +29,6 @@ pub(crate) const LEAST_PACKET: usize = 8;
 /// A packet ends before a ray that is so many times as far from its first as any of its rays: at the
 /// end of a row of tiles, or where an object ends.
 const JUMP: f32 = 4.0;
-/// Packets whose rays are further than 60° from their axis are no cones.
-const LEAST_COSINE: f32 = 0.5;
 /// Added to the sine of the half-angle, and the tolerance of comparisons.
 const TOLERANCE: f32 = 1.0 / (1 << 20) as f32;
 
@@ -96,6 +94,7 @@ pub(crate) unsafe fn prepare_cones<L: Lanes>(
     batch: &Batch,
     rays: &RayRecords,
     cones: &Cones,
+    least_cosine: f32,
 ) -> PreparedCones {
     let (mut n, mut loose) = (0, 0);
     let mut first = 0;
@@ -109,7 +108,7 @@ pub(crate) unsafe fn prepare_cones<L: Lanes>(
                     cones.end((first + i) as u32);
                 }
             }
-            match packet.cone::<L>() {
+            match packet.cone::<L>(least_cosine) {
                 Some(cone) => {
                     *cones.cones.add(n) = cone;
                     *cones.rays.add(n) = [first as u32, packet.len as u32];
@@ -186,6 +185,12 @@ impl Packet {
                 L::store(apart.as_mut_ptr().add(i), squared);
             }
         }
+        // Most packets are not cut: see whether any ray is far enough from the first at all.
+        let greatest = |of: &[f32]| of.iter().fold(0f32, |a, &b| if b > a { b } else { a });
+        let furthest = greatest(&apart[..LEAST_PACKET]);
+        if greatest(&apart) <= JUMP * JUMP * furthest {
+            return packet;
+        }
         let mut furthest = 0f32;
         for i in 0..packet.len {
             if i >= LEAST_PACKET && apart[i] > JUMP * JUMP * furthest {
@@ -221,7 +226,7 @@ impl Packet {
     /// # Safety
     /// The processor has `L`'s instruction set.
     #[inline(always)]
-    unsafe fn cone<L: Lanes>(&self) -> Option<[f32; 4]> {
+    unsafe fn cone<L: Lanes>(&self, least_cosine: f32) -> Option<[f32; 4]> {
         if self.valid == 0 {
             return None;
         }
@@ -265,24 +270,13 @@ impl Packet {
                 cosine = L::select(valid, L::min(c, cosine), cosine);
                 squared = L::select(valid, L::min(s, squared), squared);
             }
-            if least_of::<L>(cosine) < LEAST_COSINE {
+            if least_of::<L>(cosine) < least_cosine {
                 return None;
             }
             let sine = (-least_of::<L>(squared)).sqrt() + TOLERANCE;
             Some([axis[0], axis[1], axis[2], sine])
         }
     }
-}
-
-/// # Safety
-/// The processor has `L`'s instruction set.
-#[inline(always)]
-unsafe fn least_of<L: Lanes>(v: L::F) -> f32 {
-    let mut lanes = [f32::INFINITY; MAX_LANES];
-    // SAFETY: as promised.
-    unsafe { L::store(lanes.as_mut_ptr(), v) };
-    let least = |a, b| if b < a { b } else { a };
-    lanes.into_iter().fold(f32::INFINITY, least)
 }
 
 /// The edges that bound what an origin sees of a box, for each of the 64 answers to the six questions
@@ -347,39 +341,38 @@ impl Outline {
 
 /// An edge of a box as a great arc, all unit vectors.
 #[derive(Clone, Copy)]
-struct Edge<L: Lanes> {
+struct Edge {
     /// Where it begins.
-    corner: [L::F; 3],
+    corner: [f32; 3],
     /// Normal of its plane, away from the box.
-    out: [L::F; 3],
+    out: [f32; 3],
     /// Normals in that plane at both ends, along the arc.
-    along: [[L::F; 3]; 2],
+    along: [[f32; 3]; 2],
 }
 
 /// A box as cones of one origin see it.
-struct Seen<L: Lanes> {
-    edges: [Edge<L>; 6],
+struct Seen {
+    edges: [Edge; 6],
     len: usize,
     /// Whether the origin is in the box.
     inside: bool,
     cones: *const [f32; 4],
 }
 
+#[inline(always)]
 fn unit(v: DVec3) -> DVec3 {
-    let length = v.length();
+    let squared = v.dot(v);
     // An edge without length has no plane.
-    if length > 0.0 {
-        v / length
+    if squared > 0.0 {
+        v * (1.0 / squared.sqrt())
     } else {
         DVec3::ZERO
     }
 }
 
-impl<L: Lanes> Seen<L> {
-    /// # Safety
-    /// The processor has `L`'s instruction set.
+impl Seen {
     #[inline(always)]
-    unsafe fn new(b: &Aabb, origin: Vec3, cones: *const [f32; 4]) -> Seen<L> {
+    fn new(b: &Aabb, origin: Vec3, cones: *const [f32; 4]) -> Seen {
         const GROWTH: f64 = PADDING as f64 + 1.0 / (1 << 21) as f64;
         let wide = |v: Vec3| DVec3::new(v.x as f64, v.y as f64, v.z as f64);
         let (lo, hi) = (wide(b.min) - wide(origin), wide(b.max) - wide(origin));
@@ -389,46 +382,43 @@ impl<L: Lanes> Seen<L> {
             position |= ((0.0 < lo[axis]) as usize) << (2 * axis);
             position |= ((hi[axis] < 0.0) as usize) << (2 * axis + 1);
         }
-        let corner = |bits: u8| {
+        let outline = &OUTLINES[position];
+        let mut seen = Seen {
+            edges: [Edge {
+                corner: [0.0; 3],
+                out: [0.0; 3],
+                along: [[0.0; 3]; 2],
+            }; 6],
+            len: outline.len,
+            inside: position == 0,
+            cones,
+        };
+        if seen.inside {
+            return seen;
+        }
+        let mut corners = [DVec3::ZERO; 8];
+        for (bits, corner) in corners.iter_mut().enumerate() {
             let at = |axis: usize| match bits >> axis & 1 {
                 0 => lo[axis],
                 _ => hi[axis],
             };
-            DVec3::new(at(0), at(1), at(2))
-        };
-        let narrow = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
-        let outline = &OUTLINES[position];
-        // SAFETY: as promised.
-        unsafe {
-            let zero = [L::splat(0.0); 3];
-            let mut edges = [Edge {
-                corner: zero,
-                out: zero,
-                along: [zero; 2],
-            }; 6];
-            for (edge, &(from, to)) in edges.iter_mut().zip(&outline.edges[..outline.len]) {
-                let (p, q) = (unit(corner(from)), unit(corner(to)));
-                let out = unit(p.cross(q));
-                *edge = Edge {
-                    corner: splat3::<L>(&narrow(p)),
-                    out: splat3::<L>(&narrow(out)),
-                    along: [
-                        splat3::<L>(&narrow(out.cross(p))),
-                        splat3::<L>(&narrow(q.cross(out))),
-                    ],
-                };
-            }
-            Seen {
-                edges,
-                len: outline.len,
-                inside: position == 0,
-                cones,
-            }
+            *corner = unit(DVec3::new(at(0), at(1), at(2)));
         }
+        let narrow = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
+        for (edge, &(from, to)) in seen.edges.iter_mut().zip(&outline.edges[..outline.len]) {
+            let (p, q) = (corners[from as usize], corners[to as usize]);
+            let out = unit(p.cross(q));
+            *edge = Edge {
+                corner: narrow(p),
+                out: narrow(out),
+                along: [narrow(out.cross(p)), narrow(q.cross(out))],
+            };
+        }
+        seen
     }
 }
 
-impl<L: Lanes> Test<L> for Seen<L> {
+impl<L: Lanes> Test<L> for Seen {
     #[inline(always)]
     unsafe fn pass(&mut self, ids: *const u32, active: L::M) -> L::M {
         if self.inside {
@@ -445,7 +435,7 @@ impl<L: Lanes> Test<L> for Seen<L> {
             let mut meets = active;
             let mut out = [zero; 6];
             for (out, edge) in out.iter_mut().zip(&self.edges[..self.len]) {
-                *out = dot::<L>(&edge.out, &axis);
+                *out = dot::<L>(&splat3::<L>(&edge.out), &axis);
                 candidates = L::and(candidates, L::le(*out, sine));
                 meets = L::and(meets, L::le(*out, zero));
             }
@@ -454,14 +444,15 @@ impl<L: Lanes> Test<L> for Seen<L> {
             }
             for (&out, edge) in out.iter().zip(&self.edges[..self.len]) {
                 let on_arc = L::and(
-                    L::le(tolerance, dot::<L>(&edge.along[0], &axis)),
-                    L::le(tolerance, dot::<L>(&edge.along[1], &axis)),
+                    L::le(tolerance, dot::<L>(&splat3::<L>(&edge.along[0]), &axis)),
+                    L::le(tolerance, dot::<L>(&splat3::<L>(&edge.along[1]), &axis)),
                 );
                 let near_arc = L::and(L::lt(zero, out), on_arc);
-                let across = cross3::<L>(&edge.corner, &axis);
+                let corner = splat3::<L>(&edge.corner);
+                let across = cross3::<L>(&corner, &axis);
                 let near_corner = L::and(
                     L::le(dot::<L>(&across, &across), L::mul(sine, sine)),
-                    L::lt(zero, dot::<L>(&edge.corner, &axis)),
+                    L::lt(zero, dot::<L>(&corner, &axis)),
                 );
                 meets = L::or(meets, L::or(near_arc, near_corner));
             }
@@ -532,7 +523,7 @@ pub(crate) unsafe fn keep_cones<L: Lanes>(
 ) -> usize {
     // SAFETY: as promised.
     unsafe {
-        let mut test = Seen::<L>::new(bounds, origin, cones.cones);
+        let mut test = Seen::new(bounds, origin, cones.cones);
         partition::<L, _>(cones.ids.add(list.from), list.len(), &mut test)
     }
 }

@@ -4,10 +4,11 @@
 
 use super::naive::TriangleList;
 use super::partition::{Test, partition};
+use super::prepare::has_area;
 use super::triangle::{Chunk, Corners};
-use crate::geometry::{Aabb, Mesh, Triangle};
+use crate::geometry::{Aabb, Mesh};
 use crate::simd::{Lanes, MAX_LANES};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// The lists, by `prim`, and the index list. 44 bytes a triangle in all.
 #[derive(Clone, Copy)]
@@ -48,14 +49,6 @@ fn in_order(x: [f32; 3]) -> ([f32; 3], u32) {
     let middle = 3 - least - greatest;
     let bits = 1 << least | 8 << greatest;
     ([x[least], x[middle], x[greatest]], bits)
-}
-
-/// Whether a triangle has an area: its cross product, in float64, is not zero.
-#[inline(always)]
-fn has_area(t: &Triangle) -> bool {
-    let wide = |v: Vec3| DVec3::new(v.x as f64, v.y as f64, v.z as f64);
-    let (a, b, c) = (wide(t.a), wide(t.b), wide(t.c));
-    (b - a).cross(c - a) != DVec3::ZERO
 }
 
 /// Sorts the coordinates of all triangles into the lists, and enters those that can be hit into the

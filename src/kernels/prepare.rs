@@ -182,7 +182,7 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
 
 /// Whether a triangle has an area: its cross product, in float64, is not zero.
 #[inline(always)]
-fn has_area(t: &Triangle) -> bool {
+pub(super) fn has_area(t: &Triangle) -> bool {
     let wide = |v: Vec3| DVec3::new(v.x as f64, v.y as f64, v.z as f64);
     let (a, b, c) = (wide(t.a), wide(t.b), wide(t.c));
     (b - a).cross(c - a) != DVec3::ZERO

@@ -199,10 +199,12 @@ unsafe fn store_first4<L: Lanes, const STRIDE: usize>(p: *mut [f32; 4], v: [L::F
     }
 }
 
+/// The least lane.
+///
 /// # Safety
 /// The processor has `L`'s instruction set.
 #[inline(always)]
-unsafe fn least_of<L: Lanes>(v: L::F) -> f32 {
+pub(super) unsafe fn least_of<L: Lanes>(v: L::F) -> f32 {
     let mut lanes = [f32::INFINITY; MAX_LANES];
     // SAFETY: as promised.
     unsafe { L::store(lanes.as_mut_ptr(), v) };

@@ -42,7 +42,8 @@ pub(crate) struct Kernels {
     pub prepare_records: unsafe fn(&Batch, &RayRecords) -> PreparedRecords,
     pub keep_meeting: unsafe fn(&RayRecords, Range, &Aabb, Option<usize>) -> (usize, Directions),
     pub keep_octant: unsafe fn(&RayRecords, Range, usize) -> usize,
-    pub prepare_cones: unsafe fn(&Batch, &RayRecords, &Cones) -> PreparedCones,
+    /// Also given the cosine of the widest half-angle.
+    pub prepare_cones: unsafe fn(&Batch, &RayRecords, &Cones, f32) -> PreparedCones,
     pub flush: unsafe fn(&Cones, Range, &RayRecords, usize) -> usize,
     pub keep_cones: unsafe fn(&Cones, Range, &Aabb, Vec3) -> usize,
     /// Also given the cell and when rays are done; returns the place behind those that are.
@@ -268,9 +269,10 @@ macro_rules! shells {
                 batch: &Batch,
                 rays: &RayRecords,
                 cones: &Cones,
+                least_cosine: f32,
             ) -> PreparedCones {
                 // SAFETY: as above.
-                unsafe { cone::prepare_cones::<L>(batch, rays, cones) }
+                unsafe { cone::prepare_cones::<L>(batch, rays, cones, least_cosine) }
             }
 
             $(#[$feature])?

@@ -5,6 +5,9 @@ use super::{ObjectParameters, Parameters, SpaceParameters};
 use std::fmt;
 use std::str::FromStr;
 
+/// Parameters that only conic packets have.
+const CONES: [&str; 2] = ["cone_limit", "widest_cone"];
+
 /// A named preset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
@@ -60,10 +63,10 @@ impl Method {
         match self {
             Method::Afra2012 => object && !SAMPLING.contains(&parameter),
             Method::Nabata2013 => object && parameter != "sah_ratio",
-            Method::Mora2011 => space && parameter != "cone_limit",
+            Method::Mora2011 => space && !CONES.contains(&parameter),
             Method::Mora2011Cones => space,
             Method::Mora2011Random => {
-                space && !["cone_limit", "terminate_as_printed"].contains(&parameter)
+                space && !CONES.contains(&parameter) && parameter != "terminate_as_printed"
             }
         }
     }

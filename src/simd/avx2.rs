@@ -131,15 +131,6 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    unsafe fn store2(p: *mut [f32; 2], [a, b]: [__m256; 2]) {
-        unsafe {
-            let (lo, hi) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
-            let p = p.cast::<f32>();
-            _mm256_storeu_ps(p, _mm256_permute2f128_ps::<0x20>(lo, hi));
-            _mm256_storeu_ps(p.add(N), _mm256_permute2f128_ps::<0x31>(lo, hi));
-        }
-    }
-    #[inline(always)]
     unsafe fn store4(p: *mut [f32; 4], [x, y, z, w]: [__m256; 4]) {
         unsafe {
             let (xy_lo, xy_hi) = (_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
@@ -300,10 +291,6 @@ impl Lanes for Avx2 {
         unsafe { _mm256_blendv_epi8(no, yes, _mm256_castps_si256(m)) }
     }
 
-    #[inline(always)]
-    unsafe fn or_u(a: __m256i, b: __m256i) -> __m256i {
-        unsafe { _mm256_or_si256(a, b) }
-    }
     #[inline(always)]
     unsafe fn common_bits(a: __m256i, b: __m256i) -> __m256 {
         unsafe {

@@ -111,15 +111,6 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    unsafe fn store2(p: *mut [f32; 2], [a, b]: [__m512; 2]) {
-        unsafe {
-            let lo = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-            let hi = _mm512_add_epi32(lo, Self::splat_u(8));
-            _mm512_storeu_ps(p.cast(), _mm512_permutex2var_ps(a, lo, b));
-            _mm512_storeu_ps(p.cast::<f32>().add(N), _mm512_permutex2var_ps(a, hi, b));
-        }
-    }
-    #[inline(always)]
     unsafe fn store4(p: *mut [f32; 4], [x, y, z, w]: [__m512; 4]) {
         unsafe {
             // Pairs of two vectors, then pairs of pairs: 64-bit lanes (x, y) and (z, w).
@@ -272,10 +263,6 @@ impl Lanes for Avx512 {
         unsafe { _mm512_mask_blend_epi32(m, no, yes) }
     }
 
-    #[inline(always)]
-    unsafe fn or_u(a: __m512i, b: __m512i) -> __m512i {
-        unsafe { _mm512_or_si512(a, b) }
-    }
     #[inline(always)]
     unsafe fn common_bits(a: __m512i, b: __m512i) -> __mmask16 {
         unsafe { _mm512_test_epi32_mask(a, b) }

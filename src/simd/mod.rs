@@ -51,8 +51,6 @@ pub(crate) trait Lanes: Copy {
     /// Two vectors from records of two floats: lane `i` of vector `k` is `base[index[i]][k]`, with `N`
     /// indices from memory.
     unsafe fn gather2(base: *const [f32; 2], index: *const u32) -> [Self::F; 2];
-    /// `N` records of two floats: the inverse of a [`Lanes::gather2`] in order.
-    unsafe fn store2(p: *mut [f32; 2], v: [Self::F; 2]);
     /// `N` records of four floats: the inverse of a [`Lanes::gather4`] in order.
     unsafe fn store4(p: *mut [f32; 4], v: [Self::F; 4]);
     /// Starts to bring a cache line near; the address may be any.
@@ -103,7 +101,6 @@ pub(crate) trait Lanes: Copy {
     unsafe fn lt_u(a: Self::U, b: Self::U) -> Self::M;
     unsafe fn eq_u(a: Self::U, b: Self::U) -> Self::M;
     unsafe fn select_u(m: Self::M, yes: Self::U, no: Self::U) -> Self::U;
-    unsafe fn or_u(a: Self::U, b: Self::U) -> Self::U;
     /// Lanes in which `a` and `b` have a bit in common.
     unsafe fn common_bits(a: Self::U, b: Self::U) -> Self::M;
     /// The bits of the floats, and back.

@@ -57,12 +57,6 @@ impl Lanes for Portable {
         from_fn(|k| from_fn(|i| unsafe { (*base.add(*index.add(i) as usize))[k] }))
     }
     #[inline(always)]
-    unsafe fn store2(p: *mut [f32; 2], v: [Self::F; 2]) {
-        for i in 0..N {
-            unsafe { p.add(i).write(from_fn(|k| v[k][i])) }
-        }
-    }
-    #[inline(always)]
     unsafe fn store4(p: *mut [f32; 4], v: [Self::F; 4]) {
         for i in 0..N {
             unsafe { p.add(i).write(from_fn(|k| v[k][i])) }
@@ -206,10 +200,6 @@ impl Lanes for Portable {
         from_fn(|i| if m[i] { yes[i] } else { no[i] })
     }
 
-    #[inline(always)]
-    unsafe fn or_u(a: Self::U, b: Self::U) -> Self::U {
-        from_fn(|i| a[i] | b[i])
-    }
     #[inline(always)]
     unsafe fn common_bits(a: Self::U, b: Self::U) -> Self::M {
         from_fn(|i| a[i] & b[i] != 0)

@@ -169,10 +169,7 @@ fn single_space_changes() -> Vec<SpaceParameters> {
             nine_axes_below,
             ..p
         }));
-        all.push(SpaceParameters {
-            filter_flushed: !p.filter_flushed,
-            ..p
-        });
+        all.extend([0.0, 4.0, 60.0].map(|widest_cone| SpaceParameters { widest_cone, ..p }));
         all.push(SpaceParameters {
             plane_test: !p.plane_test,
             ..p
@@ -376,6 +373,13 @@ fn parameters_out_of_range_are_named() {
         ),
         ("cone_limit", SpaceParameters { cone_limit: 0, ..p }),
         (
+            "widest_cone",
+            SpaceParameters {
+                widest_cone: 61.0,
+                ..p
+            },
+        ),
+        (
             "estimate_stride",
             SpaceParameters {
                 estimate_stride: 0,
@@ -443,13 +447,13 @@ fn space_parameters() -> impl Strategy<Value = SpaceParameters> {
         prop::sample::select(vec![0, 10, 100, u32::MAX]),
     );
     let variant = prop::sample::select(variants.to_vec());
-    (variant, limits, splits, any::<[bool; 3]>()).prop_map(
-        |(variant, limits, splits, [plane_test, octants, filter_flushed])| SpaceParameters {
+    (variant, limits, splits, 0f32..=60.0, any::<[bool; 2]>()).prop_map(
+        |(variant, limits, splits, widest_cone, [plane_test, octants])| SpaceParameters {
             variant,
             ray_limit: limits.0,
             triangle_limit: limits.1,
             cone_limit: limits.2,
-            filter_flushed,
+            widest_cone,
             estimate_from: splits.0,
             estimate_stride: splits.1,
             nine_axes_below: splits.2,
@@ -509,14 +513,14 @@ fn the_names_of_parameters_are_those_of_their_fields() {
             &space,
             &object,
             Method::Mora2011,
-            &["cone_limit", "filter_flushed"],
+            &["cone_limit", "widest_cone"],
         ),
         (&space, &object, Method::Mora2011Cones, &[]),
         (
             &space,
             &object,
             Method::Mora2011Random,
-            &["cone_limit", "filter_flushed", "terminate_as_printed"],
+            &["cone_limit", "widest_cone", "terminate_as_printed"],
         ),
     ] {
         let mut missing = missing.to_vec();

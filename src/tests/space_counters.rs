@@ -138,9 +138,9 @@ fn changes(variant: Variant) -> [Change; 11] {
         ),
         ("cone_limit", SpaceParameters { cone_limit: 8, ..p }),
         (
-            "filter_flushed",
+            "widest_cone",
             SpaceParameters {
-                filter_flushed: false,
+                widest_cone: 60.0,
                 ..p
             },
         ),

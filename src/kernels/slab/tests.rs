@@ -4,7 +4,8 @@
 use super::*;
 use crate::geometry::Triangle;
 use crate::kernels::Item;
-use crate::kernels::triangle::Prepared;
+use crate::kernels::naive::{Items, TriangleList};
+use crate::kernels::triangle::Chunk;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
 use crate::simd::{Isa, MAX_LANES, Portable};
@@ -151,7 +152,11 @@ proptest! {
         let triangle = Triangle::new(a, b, c);
         let item = Item::new(&triangle, 7);
         for shared in [None, Some(origin)] {
-            let prepared = Prepared::new(&triangle, &item, shared);
+            let mut prepared = Chunk::ZERO;
+            let (triangles, items) = (&[triangle; 8], &[item]);
+            let mut list = Items { triangles, items };
+            // SAFETY: portable code runs everywhere.
+            unsafe { TriangleList::<Portable>::prepare(&mut list, 0, &mut prepared, shared) };
             // SAFETY: portable code runs everywhere.
             let (hit, t) = unsafe {
                 let splat = |v: [f32; 3]| v.map(|x| Portable::splat(x));
@@ -163,9 +168,9 @@ proptest! {
                 let (tmin, tmax) = (Portable::splat(tmin), Portable::splat(f32::INFINITY));
                 let all = Portable::first(Portable::N);
                 if shared.is_some() {
-                    prepared.intersect::<Portable, true, true>(&o, &d, &i, shared, tmin, tmax, all)
+                    prepared.intersect::<Portable, true, true>(0, &o, &d, &i, shared, tmin, tmax, all)
                 } else {
-                    prepared.intersect::<Portable, false, true>(&o, &d, &i, shared, tmin, tmax, all)
+                    prepared.intersect::<Portable, false, true>(0, &o, &d, &i, shared, tmin, tmax, all)
                 }
             };
             if hit[0] {

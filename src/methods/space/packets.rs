@@ -69,24 +69,7 @@ impl Divide<'_> {
         // SAFETY: the processor was checked. The rays have room in their list, for each is either
         // done or in one cone.
         let rays = unsafe { (self.kernels.flush)(&self.cones, cones, &self.rays, before) };
-        let rays = match self.parameters.filter_flushed {
-            true => {
-                before
-                    + self
-                        .filter_rays(
-                            cell,
-                            Range {
-                                from: before,
-                                to: rays,
-                            },
-                        )
-                        .0
-            }
-            false => rays,
-        };
-        if rays > before {
-            self.divide(cell, Part { rays, ..part });
-        }
+        self.divide(cell, Part { rays, ..part });
         // SAFETY: indices are those of rays and cones of the batch.
         unsafe {
             for i in before..self.terminated {

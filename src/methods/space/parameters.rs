@@ -29,9 +29,9 @@ pub struct SpaceParameters {
     pub triangle_limit: u32,
     /// cLimit: a cell with fewer cones than this goes on with their rays. No value in the paper.
     pub cone_limit: u32,
-    /// Whether rays that come out of cones are filtered by the cell first. Algorithm 2 goes on with all
-    /// rays of the cones.
-    pub filter_flushed: bool,
+    /// The widest half-angle of a cone, in degrees from 0 to 60; a packet whose rays need a wider one
+    /// is traced as rays, before the cones. Not in the paper.
+    pub widest_cone: f32,
     /// A cell with at least so many triangles is split at the estimate of section 3.6, any other in
     /// the middle; 10,000 there.
     pub estimate_from: u32,
@@ -57,7 +57,7 @@ impl SpaceParameters {
         "ray_limit",
         "triangle_limit",
         "cone_limit",
-        "filter_flushed",
+        "widest_cone",
         "estimate_from",
         "estimate_stride",
         "nine_axes_below",
@@ -71,8 +71,8 @@ impl SpaceParameters {
         variant: Variant::Basic,
         ray_limit: 20,
         triangle_limit: 16,
-        cone_limit: 16,
-        filter_flushed: true,
+        cone_limit: 32,
+        widest_cone: 4.0,
         estimate_from: 10_000,
         estimate_stride: 50,
         nine_axes_below: 100,
@@ -98,13 +98,16 @@ impl SpaceParameters {
     /// # Errors
     /// The first parameter that is outside its own.
     pub fn check(&self) -> Result<(), BadParameter> {
-        let checks = [
+        let count = "a whole number of at least 1";
+        let counts = [
             ("ray_limit", self.ray_limit),
             ("triangle_limit", self.triangle_limit),
             ("cone_limit", self.cone_limit),
             ("estimate_stride", self.estimate_stride),
         ];
-        let count = "a whole number of at least 1";
-        first_bad(&checks.map(|(name, value)| (name, value as f64, value >= 1, count)))
+        first_bad(&counts.map(|(name, value)| (name, value as f64, value >= 1, count)))?;
+        let angle = self.widest_cone;
+        let in_range = (0.0..=60.0).contains(&angle);
+        first_bad(&[("widest_cone", angle as f64, in_range, "0 to 60")])
     }
 }

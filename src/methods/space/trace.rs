@@ -61,7 +61,10 @@ pub(in crate::methods) fn trace(
             Variant::Basic => divide.divide(&root, all),
             Variant::Cones => {
                 // SAFETY: as above; the batch shares its origin.
-                let made = unsafe { (kernels.prepare_cones)(batch, &rays, &cones) };
+                let made = unsafe {
+                    let least_cosine = libm::cos((parameters.widest_cone as f64).to_radians());
+                    (kernels.prepare_cones)(batch, &rays, &cones, least_cosine as f32)
+                };
                 let with = |rays| Part { rays, ..all };
                 if made.loose > 0 {
                     divide.divide(&root, with(made.loose));

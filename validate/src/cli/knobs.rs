@@ -10,7 +10,7 @@ type Knob = (&'static str, &'static str);
 
 /// All fields but `variant`, which the method decides; for each of the two kinds of methods those
 /// with a name of their own in the papers first.
-const KNOBS: [Knob; 28] = [
+const KNOBS: [Knob; 29] = [
     ("bins", "Bins that a node's triangles are sorted into"),
     ("samples", "Sample rays of a node"),
     (
@@ -77,6 +77,10 @@ const KNOBS: [Knob; 28] = [
     (
         "cone-limit",
         "cLimit: cones below which a cell goes on with their rays",
+    ),
+    (
+        "widest-cone",
+        "Half-angle in degrees above which a packet is traced as rays, 0 to 60",
     ),
     (
         "estimate-from",
