@@ -482,8 +482,9 @@ pub(crate) unsafe fn flush<L: Lanes>(
             let active = !cones.bits(cone);
             for at in (0..PACKET).step_by(L::N) {
                 let lanes = lanes_of_bits::<L>((active >> at) as u32);
-                let id = L::compress_u(lanes, L::count_from(first + at as u32));
-                L::store_u(rays.ids.add(to), id);
+                // Compressing may leave any lane behind the list, where all must name a ray.
+                let id = L::select_u(lanes, L::count_from(first + at as u32), L::splat_u(first));
+                L::store_u(rays.ids.add(to), L::compress_u(lanes, id));
                 to += L::bits(lanes).count_ones() as usize;
             }
         }

@@ -125,6 +125,7 @@ fn changes(variant: Variant) -> [Change; 11] {
         estimate_from: 500,
         estimate_stride: 5,
         cone_limit: 2,
+        widest_cone: 60.0,
         ..SpaceParameters::MORA2011
     };
     let all = [
@@ -140,7 +141,7 @@ fn changes(variant: Variant) -> [Change; 11] {
         (
             "widest_cone",
             SpaceParameters {
-                widest_cone: 60.0,
+                widest_cone: 0.1,
                 ..p
             },
         ),

@@ -78,6 +78,7 @@ pub fn finest_space() -> [SpaceParameters; 3] {
         ray_limit: 1,
         triangle_limit: 1,
         cone_limit: 1,
+        widest_cone: 60.0,
         ..preset
     })
 }
