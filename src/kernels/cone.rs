@@ -166,9 +166,8 @@ impl Packet {
                 packet.valid |= (L::bits(valid) as u64) << i;
                 // Where this overflows or underflows the packet will be no cone.
                 let length = L::sqrt(dot::<L>(&direction, &direction));
-                for axis in 0..3 {
-                    let unit = L::div(direction[axis], length);
-                    L::store(packet.unit[axis].as_mut_ptr().add(i), unit);
+                for (unit, &d) in packet.unit.iter_mut().zip(&direction) {
+                    L::store(unit.as_mut_ptr().add(i), L::div(d, length));
                 }
                 let unit = packet.load::<L>(i);
                 if i == 0 {
@@ -192,17 +191,13 @@ impl Packet {
             return packet;
         }
         let mut furthest = 0f32;
-        for i in 0..packet.len {
-            if i >= LEAST_PACKET && apart[i] > JUMP * JUMP * furthest {
-                packet.len = i;
+        for (i, &apart) in apart.iter().enumerate() {
+            if i >= LEAST_PACKET && apart > JUMP * JUMP * furthest {
+                packet.len = packet.len.min(i);
                 packet.valid &= (1 << i) - 1;
                 break;
             }
-            furthest = if apart[i] > furthest {
-                apart[i]
-            } else {
-                furthest
-            };
+            furthest = if apart > furthest { apart } else { furthest };
         }
         packet
     }
