@@ -166,9 +166,8 @@ impl Packet {
                 packet.valid |= (L::bits(valid) as u64) << i;
                 // Where this overflows or underflows the packet will be no cone.
                 let length = L::sqrt(dot::<L>(&direction, &direction));
-                for axis in 0..3 {
-                    let unit = L::div(direction[axis], length);
-                    L::store(packet.unit[axis].as_mut_ptr().add(i), unit);
+                for (unit, &d) in packet.unit.iter_mut().zip(&direction) {
+                    L::store(unit.as_mut_ptr().add(i), L::div(d, length));
                 }
                 let unit = packet.load::<L>(i);
                 if i == 0 {
@@ -192,17 +191,13 @@ impl Packet {
             return packet;
         }
         let mut furthest = 0f32;
-        for i in 0..packet.len {
-            if i >= LEAST_PACKET && apart[i] > JUMP * JUMP * furthest {
-                packet.len = i;
+        for (i, &apart) in apart.iter().enumerate() {
+            if i >= LEAST_PACKET && apart > JUMP * JUMP * furthest {
+                packet.len = packet.len.min(i);
                 packet.valid &= (1 << i) - 1;
                 break;
             }
-            furthest = if apart[i] > furthest {
-                apart[i]
-            } else {
-                furthest
-            };
+            furthest = if apart > furthest { apart } else { furthest };
         }
         packet
     }
@@ -482,8 +477,9 @@ pub(crate) unsafe fn flush<L: Lanes>(
             let active = !cones.bits(cone);
             for at in (0..PACKET).step_by(L::N) {
                 let lanes = lanes_of_bits::<L>((active >> at) as u32);
-                let id = L::compress_u(lanes, L::count_from(first + at as u32));
-                L::store_u(rays.ids.add(to), id);
+                // Compressing may leave any lane behind the list, where all must name a ray.
+                let id = L::select_u(lanes, L::count_from(first + at as u32), L::splat_u(first));
+                L::store_u(rays.ids.add(to), L::compress_u(lanes, id));
                 to += L::bits(lanes).count_ones() as usize;
             }
         }

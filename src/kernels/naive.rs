@@ -94,9 +94,10 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
     for from in (0..triangles.len()).step_by(CHUNK) {
         let len = (triangles.len() - from).min(CHUNK);
         let last = from + len == triangles.len();
-        // SAFETY: as promised, here and below.
+        // SAFETY: as promised; so below.
         unsafe { triangles.prepare(from, &mut chunk, shared_origin) };
         for i in (0..rays.len()).step_by(L::N) {
+            // SAFETY: as above.
             unsafe {
                 let v = rays.load::<SHARED>(i);
                 let mut t = v.t;

@@ -2,6 +2,7 @@
 //! one that splits space.
 
 mod counters;
+mod job;
 mod method;
 mod object;
 mod parameters;
@@ -10,9 +11,10 @@ mod tracer;
 mod workspace;
 
 pub use counters::Counters;
+pub use job::Trace;
 pub use method::{Method, UnknownMethod};
 pub use object::{Axes, Cost, Draws, ObjectParameters, OneRay, Order};
 pub use parameters::{BadParameter, Parameters};
 pub use space::{SpaceParameters, Variant};
-pub use tracer::{Trace, Tracer};
+pub use tracer::Tracer;
 pub use workspace::Workspace;

@@ -1,12 +1,12 @@
 //! The face of the engine: a method, ready to trace batches.
 
+use super::job::{Answer, Job, Trace};
 use super::workspace::Memory;
-use super::{Counters, Parameters, Variant, Workspace, object, space};
+use super::{Parameters, Workspace, object, space};
 use crate::geometry::Mesh;
 use crate::kernels::Kernels;
 use crate::rays::{Batch, Hits};
 use crate::simd::Isa;
-use glam::Vec3;
 
 /// Finds the hits of whole batches.
 ///
@@ -19,19 +19,6 @@ pub struct Tracer {
     seed: u64,
     audit: bool,
     own_origins: bool,
-}
-
-/// What a trace was like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Trace {
-    /// Numbers of tests and decisions.
-    pub counters: Counters,
-    /// Whether all valid rays have the same origin, to the bit.
-    pub shared_origin: bool,
-    /// Rays that take no part; see [`crate::Ray::is_valid`].
-    pub invalid_rays: u64,
-    /// Which variant of Mora's method was taken, if it was that method.
-    pub variant: Option<Variant>,
 }
 
 impl Tracer {
@@ -167,23 +154,3 @@ impl Tracer {
         }
     }
 }
-
-/// What is to be traced.
-pub(super) struct Job<'a> {
-    pub kernels: &'static Kernels,
-    pub mesh: &'a Mesh,
-    pub batch: &'a Batch,
-    /// The origin of all valid rays, if the batch is traced as one with a shared origin.
-    pub shared_origin: Option<Vec3>,
-    pub seed: u64,
-    pub audit: bool,
-}
-
-/// Where the answers go.
-pub(super) enum Answer<'a> {
-    Nearest(&'a mut Hits),
-    Any(&'a mut [u8]),
-}
-
-/// The best t of an any-hit ray that has hit: below every tmin, so that no test passes any more.
-pub(super) const OCCLUDED: f32 = -1.0;

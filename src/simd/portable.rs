@@ -58,9 +58,8 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     unsafe fn store4(p: *mut [f32; 4], v: [Self::F; 4]) {
-        for i in 0..N {
-            unsafe { p.add(i).write(from_fn(|k| v[k][i])) }
-        }
+        let records: [[f32; 4]; N] = from_fn(|i| from_fn(|k| v[k][i]));
+        unsafe { p.cast::<[[f32; 4]; N]>().write(records) }
     }
 
     #[inline(always)]

@@ -141,7 +141,7 @@ fn a_workspace_is_linear_in_rays_and_triangles() {
         |rays, triangles| 52 * rays + 28 * (rays / 8) + 8 * (rays / 64) + 44 * triangles;
     for (method, formula, constants) in [
         (Method::Afra2012, object, 700_000..740_000),
-        (Method::Mora2011, space, 500..1100),
+        (Method::Mora2011, space, 500..1000),
     ] {
         let parameters = method.parameters();
         let constant = Workspace::bytes_for(&parameters, 0, 0);

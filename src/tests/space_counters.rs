@@ -141,7 +141,7 @@ fn changes(variant: Variant) -> [Change; 11] {
         (
             "widest_cone",
             SpaceParameters {
-                widest_cone: 1.0,
+                widest_cone: 0.1,
                 ..p
             },
         ),

@@ -88,6 +88,13 @@ pub struct Cell {
     pub ratio_embree_trace_interval: Option<[f64; 2]>,
 }
 
+impl Cell {
+    /// Whether it has rays, but no times, for its hits were found wrong.
+    pub fn is_wrong(&self) -> bool {
+        self.mrays_per_s.is_none() && self.ray_count > 0
+    }
+}
+
 /// What names a cell: equal keys, same rays and same work.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellKey {

@@ -4,7 +4,7 @@ use super::divide::Divide;
 use super::{Memory, ObjectParameters};
 use crate::kernels::{List, Rays};
 use crate::methods::Counters;
-use crate::methods::tracer::{Answer, Job, OCCLUDED, Trace};
+use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
 use crate::rays::MISS;
 use crate::rays::active::ActiveRays;
 

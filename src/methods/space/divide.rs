@@ -1,7 +1,7 @@
 //! Divide-and-conquer ray tracing: Algorithm 1 of Mora 2011.
 
 use super::SpaceParameters;
-use super::cell::{Cell, Split};
+use super::cell::Cell;
 use crate::geometry::Aabb;
 use crate::kernels::{
     Cones, Directions, Done, Kernels, Listed, Overlap, Range, RayRecords, Side, TriangleLists,
@@ -59,7 +59,7 @@ impl Divide<'_> {
         let split = if few {
             None
         } else {
-            cell.split(self, part.triangles)
+            self.split(cell, part.triangles)
         };
         let Some(split) = split else {
             return self.naive(cell, part);
@@ -76,17 +76,6 @@ impl Divide<'_> {
                 self.divide(&half, inside);
             }
         }
-    }
-
-    /// Both sides of a split, the first one first.
-    pub fn sides(&self, split: Split, directions: Directions) -> [Side; 2] {
-        let Split { axis, plane } = split;
-        let upper_first = match self.order {
-            Order::FromOrigin => plane < self.origins.min[axis],
-            Order::FromOctant(down) => down >> axis & 1 == 1,
-            Order::Majority => directions.down > directions.up,
-        };
-        [upper_first, !upper_first].map(|upper| Side { axis, plane, upper })
     }
 
     /// R ∩ E and P ∩ E, for a half E on one side of its cell: rays first, for without any there is no

@@ -3,6 +3,7 @@
 mod cell;
 mod divide;
 mod growth;
+mod halves;
 mod memory;
 mod octants;
 mod packets;

@@ -12,7 +12,7 @@ impl Divide<'_> {
         let split = if few {
             None
         } else {
-            cell.split(self, part.triangles)
+            self.split(cell, part.triangles)
         };
         let Some(split) = split else {
             return self.flush(cell, part);

@@ -5,7 +5,7 @@ use super::divide::{Divide, Order, Part};
 use super::{Memory, SpaceParameters, Variant};
 use crate::kernels::{Directions, Range};
 use crate::methods::Counters;
-use crate::methods::tracer::{Answer, Job, OCCLUDED, Trace};
+use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
 use crate::rays::MISS;
 
 /// Traces a batch by splitting space.

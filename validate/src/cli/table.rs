@@ -1,7 +1,6 @@
 //! The table that `run` prints: a section for each scene and ray type as soon as it is measured,
 //! geometric means at the end. 100 columns at most.
 
-use super::run::is_wrong;
 use super::text::thousands;
 use dacrt_validate::results::Cell;
 use dacrt_validate::statistics::{Ratio, geometric_mean};
@@ -32,7 +31,7 @@ impl Row {
         Row {
             method: cell.key.method.clone(),
             label: label.to_owned(),
-            wrong: is_wrong(cell),
+            wrong: cell.is_wrong(),
             mrays_per_s: cell.mrays_per_s,
             acceleration: acceleration.map(|(ratio, interval)| Ratio { ratio, interval }),
             embree_total: cell.ratio_embree_total,

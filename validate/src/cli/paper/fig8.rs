@@ -1,7 +1,7 @@
 //! Fig. 8 of Mora 2011: tests and times with and without conic packets, for primary rays and with
 //! one light.
 
-use crate::cli::run::{BatchKey, is_wrong};
+use crate::cli::run::BatchKey;
 use crate::cli::text::columns;
 use dacrt::workloads::Film;
 use dacrt_validate::results::Cell;
@@ -116,7 +116,7 @@ struct Work {
 impl Work {
     fn of(cell: &Cell) -> Work {
         Work {
-            ms: match is_wrong(cell) {
+            ms: match cell.is_wrong() {
                 true => None,
                 // A batch without rays takes no time.
                 false => Some(cell.median_ms.unwrap_or(0.0)),

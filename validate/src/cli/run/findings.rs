@@ -28,7 +28,7 @@ impl Findings {
                 first.key.method, other.key.method
             ));
         }
-        for cell in cells.iter().filter(|cell| is_wrong(cell)) {
+        for cell in cells.iter().filter(|cell| cell.is_wrong()) {
             let method = &cell.key.method;
             if by_printed_rule(cell) {
                 self.by_printed_rule = true;
@@ -68,9 +68,4 @@ impl Findings {
             (false, false) => "",
         }
     }
-}
-
-/// Whether a cell has rays, but no times, for its hits were found wrong.
-pub fn is_wrong(cell: &Cell) -> bool {
-    cell.mrays_per_s.is_none() && cell.ray_count > 0
 }

@@ -30,7 +30,7 @@ use reference::Reference;
 use report::Report;
 
 pub use cells::BatchKey;
-pub use findings::{Findings, is_wrong};
+pub use findings::Findings;
 pub use progress::Progress;
 
 /// Does the whole job; a finding is a wrong hit.
