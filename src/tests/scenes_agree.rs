@@ -12,10 +12,10 @@ const LARGE: usize = 1_000_000;
 
 /// Whether portable code traces rays of this type in a scene of so many triangles. It is slow.
 fn portable_traces(ray_type: RayType, triangles: usize) -> bool {
-    match (triangles, ray_type) {
-        (..100_000, _) | (_, RayType::Primary) => true,
-        (..LARGE, RayType::ShadowPoint | RayType::Diffuse(2)) => true,
-        _ => false,
+    match ray_type {
+        RayType::Primary => true,
+        RayType::ShadowPoint | RayType::Diffuse(2) => triangles <= LARGE,
+        _ => triangles <= 100_000,
     }
 }
 
