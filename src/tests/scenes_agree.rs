@@ -9,9 +9,15 @@ use std::path::{Path, PathBuf};
 
 /// Scenes of more triangles get 64² pixels instead of 128².
 const LARGE: usize = 1_000_000;
-/// On scenes of more triangles portable code traces only [`FEW`] ray types, to save time.
-const PORTABLE_LIMIT: usize = 500_000;
-const FEW: [RayType; 3] = [RayType::Primary, RayType::ShadowPoint, RayType::Diffuse(2)];
+
+/// Whether portable code traces rays of this type in a scene of so many triangles. It is slow.
+fn portable_traces(ray_type: RayType, triangles: usize) -> bool {
+    match (triangles, ray_type) {
+        (..100_000, _) | (_, RayType::Primary) => true,
+        (..LARGE, RayType::ShadowPoint | RayType::Diffuse(2)) => true,
+        _ => false,
+    }
+}
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
@@ -88,9 +94,8 @@ fn check(name: &str) {
             })
             .unwrap()
             .batch;
-        let isas = Isa::available().filter(|isa| {
-            *isa != Isa::Portable || mesh.len() <= PORTABLE_LIMIT || FEW.contains(&ray_type)
-        });
+        let isas = Isa::available()
+            .filter(|isa| *isa != Isa::Portable || portable_traces(ray_type, mesh.len()));
         let isas: Vec<Isa> = isas.collect();
         let traced = |methods: &[Method], workspace: &mut Workspace| -> Vec<(Method, Vec<Found>)> {
             let found = |method: &Method| {

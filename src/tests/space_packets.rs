@@ -11,7 +11,8 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::f32::consts::{PI, TAU};
 
-/// Cones down to where few are left, down to the last, and down to the last triangle and ray too.
+/// Narrow cones down to where few are left; wide ones down to the last; and down to the last triangle
+/// and ray too.
 fn all_parameters() -> Vec<Parameters> {
     let preset = SpaceParameters::MORA2011_CONES;
     let to_the_last = SpaceParameters {

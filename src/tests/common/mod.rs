@@ -72,7 +72,7 @@ pub fn space_presets() -> [SpaceParameters; 3] {
     ]
 }
 
-/// The same, down to single triangles, rays and cones.
+/// The same, down to single triangles, rays and cones, as wide as they can be.
 pub fn finest_space() -> [SpaceParameters; 3] {
     space_presets().map(|preset| SpaceParameters {
         ray_limit: 1,
