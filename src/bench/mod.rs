@@ -32,82 +32,82 @@ pub struct Kernel {
 /// what it takes to begin a list is in the time.
 pub const KERNELS: &[Kernel] = &[
     Kernel {
-        name: "triangles, split plane",
+        name: "triangle/plane, in order",
         test: "triangle",
         make: triangles::split_plane,
     },
     Kernel {
-        name: "triangles, split plane, random order",
+        name: "triangle/plane, random order",
         test: "triangle",
         make: triangles::split_plane_in_random_order,
     },
     Kernel {
-        name: "triangles, nine axes",
+        name: "triangle/cell, nine axes",
         test: "triangle/box",
         make: triangles::nine_axes,
     },
     Kernel {
-        name: "triangles, binning",
+        name: "triangle binned",
         test: "triangle",
         make: triangles::binning,
     },
     Kernel {
-        name: "triangles, partition",
+        name: "triangle partitioned",
         test: "triangle",
         make: triangles::partition,
     },
     Kernel {
-        name: "cones, box",
+        name: "cone/box",
         test: "cone/box",
         make: rays::cones,
     },
     Kernel {
-        name: "indexed rays, box, one origin",
+        name: "ray/box indexed, one origin",
         test: "ray/box",
         make: rays::indexed_box::<true>,
     },
     Kernel {
-        name: "indexed rays, box, own origins",
+        name: "ray/box indexed, own origins",
         test: "ray/box",
         make: rays::indexed_box::<false>,
     },
     Kernel {
-        name: "copied rays, box, one origin",
+        name: "ray/box copied, one origin",
         test: "ray/box",
         make: rays::copied_box::<true, false>,
     },
     Kernel {
-        name: "copied rays, box, own origins",
+        name: "ray/box copied, own origins",
         test: "ray/box",
         make: rays::copied_box::<false, false>,
     },
     Kernel {
-        name: "rays in place, box, one origin",
+        name: "ray/box in place, one origin",
         test: "ray/box",
         make: rays::copied_box::<true, true>,
     },
     Kernel {
-        name: "rays in place, box, own origins",
+        name: "ray/box in place, own origins",
         test: "ray/box",
         make: rays::copied_box::<false, true>,
     },
     Kernel {
-        name: "indexed rays, triangles, one origin",
+        name: "ray/triangle indexed, one origin",
         test: "ray/triangle",
         make: rays::indexed_triangles::<true>,
     },
     Kernel {
-        name: "indexed rays, triangles, own origins",
+        name: "ray/triangle indexed, own origins",
         test: "ray/triangle",
         make: rays::indexed_triangles::<false>,
     },
     Kernel {
-        name: "copied rays, triangles, one origin",
+        name: "ray/triangle copied, one origin",
         test: "ray/triangle",
         make: rays::copied_triangles::<true>,
     },
     Kernel {
-        name: "copied rays, triangles, own origins",
+        name: "ray/triangle copied, own origins",
         test: "ray/triangle",
         make: rays::copied_triangles::<false>,
     },
@@ -187,45 +187,4 @@ fn number(kind: u64, index: usize) -> f32 {
 fn point(kind: u64, index: usize) -> Vec3 {
     let at = |axis| number(kind, 3 * index + axis);
     Vec3::new(at(0), at(1), at(2))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_pass_does_the_same_work_each_time_and_on_each_instruction_set() {
-        for kernel in KERNELS {
-            let name = kernel.name;
-            let mut bench = kernel.prepare(50_000);
-            let before = bench.digest();
-            let tests = bench.run(Isa::Portable);
-            let after = bench.digest();
-            assert!(tests > 0 && after != before, "{name}");
-            for isa in Isa::available() {
-                for _ in 0..2 {
-                    bench.reset();
-                    assert_eq!(bench.digest(), before, "{name}, {isa}");
-                    assert_eq!(bench.run(isa), tests, "{name}, {isa}");
-                    assert_eq!(bench.digest(), after, "{name}, {isa}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn tests_grow_with_the_working_set() {
-        for kernel in KERNELS {
-            let tests = |bytes| kernel.prepare(bytes).run(Isa::Portable);
-            assert!(tests(0) > 0, "{}", kernel.name);
-            let ratio = tests(1_000_000) as f64 / tests(250_000) as f64;
-            assert!((3.0..5.0).contains(&ratio), "{}: {ratio}", kernel.name);
-        }
-    }
-
-    #[test]
-    fn names_are_distinct() {
-        let names: std::collections::HashSet<_> = KERNELS.iter().map(|k| k.name).collect();
-        assert_eq!(names.len(), KERNELS.len());
-    }
 }

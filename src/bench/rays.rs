@@ -382,7 +382,7 @@ pub(super) fn cones(bytes: usize) -> Bench {
     let records = rays.pointers(true);
     // SAFETY: the processor was checked; there is room for the cones of the batch, whose rays start
     // at one point, and in the index list for its rays.
-    let made = unsafe { (best().prepare_cones)(&rays.batch, &records, &pointers) };
+    let made = unsafe { (best().prepare_cones)(&rays.batch, &records, &pointers, 0.5) };
     assert_eq!((made.cones, made.loose), (BOXES * CONES, 0));
     cones.truncate(made.cones);
     let work = Packets {
