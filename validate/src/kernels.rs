@@ -14,6 +14,10 @@ use std::time::Instant;
 /// [results](crate::results) of a run.
 pub const KIND: &str = "kernels";
 
+/// Working sets that portable code is measured on at most: beyond, it would take most of the time of
+/// all, and show little, for it is far from any bound of memory.
+const MOST_OF_PORTABLE: usize = 16 << 20;
+
 /// What is measured, and how long.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -185,11 +189,16 @@ pub fn measure(plan: &Plan, mut step: impl FnMut(&Kernel, &Level)) -> Result<Doc
         agree(kernel, &plan.isas)?;
         for (level, copies) in plan.levels.iter().zip(&mut copies) {
             step(kernel, level);
-            let mut turns = Turns::new(kernel, level, plan);
+            let takes_part = |&isa: &Isa| isa != Isa::Portable || level.bytes <= MOST_OF_PORTABLE;
+            let isas: Vec<Isa> = plan.isas.iter().copied().filter(takes_part).collect();
+            if isas.is_empty() {
+                continue;
+            }
+            let mut turns = Turns::new(kernel, level, isas, plan);
             turns.take(plan);
             copies.extend(turns.copy_ns_per_byte.iter().copied());
             clocks.extend(turns.clocks.iter().flatten().copied());
-            timings.extend(turns.timings(kernel, level, plan));
+            timings.extend(turns.timings(kernel, level));
         }
     }
     let clock_ghz = middle(&clocks);
@@ -203,6 +212,7 @@ pub fn measure(plan: &Plan, mut step: impl FnMut(&Kernel, &Level)) -> Result<Doc
             .collect(),
         clock_ghz,
         copies: (plan.levels.iter().zip(&copies))
+            .filter(|(_, ns_per_byte)| !ns_per_byte.is_empty())
             .map(|(level, ns_per_byte)| Copy {
                 level: level.clone(),
                 gb_per_s: 1.0 / middle(ns_per_byte),
@@ -237,6 +247,7 @@ fn agree(kernel: &Kernel, isas: &[Isa]) -> Result<(), Differ> {
 
 /// One kernel and one level.
 struct Turns {
+    isas: Vec<Isa>,
     bench: Bench,
     tests: u64,
     /// Passes of a sample, for each instruction set.
@@ -251,10 +262,11 @@ struct Turns {
 }
 
 impl Turns {
-    fn new(kernel: &Kernel, level: &Level, plan: &Plan) -> Turns {
-        let n = plan.isas.len();
+    fn new(kernel: &Kernel, level: &Level, isas: Vec<Isa>, plan: &Plan) -> Turns {
+        let n = isas.len();
         let half = level.bytes / 2;
         let mut turns = Turns {
+            isas,
             bench: kernel.prepare(level.bytes),
             tests: 0,
             passes: vec![1; n],
@@ -265,10 +277,14 @@ impl Turns {
             ns: vec![Vec::new(); n],
             clocks: vec![Vec::new(); n],
         };
-        // The first passes bring everything near, the second say how many make a sample.
-        for (i, &isa) in plan.isas.iter().enumerate() {
-            turns.pass(isa);
-            turns.passes[i] = (plan.sample_ns / turns.pass(isa)).ceil() as usize;
+        for i in 0..n {
+            let isa = turns.isas[i];
+            // The first pass brings everything near.
+            let mut ns = turns.pass(isa);
+            if ns < plan.sample_ns {
+                ns = turns.pass(isa);
+            }
+            turns.passes[i] = (plan.sample_ns / ns).ceil() as usize;
         }
         turns.copy();
         turns.copies = (plan.sample_ns / turns.copy()).ceil() as usize;
@@ -299,7 +315,8 @@ impl Turns {
             let ns: f64 = (0..self.copies).map(|_| self.copy()).sum();
             let bytes = self.copies * (self.from.len() + self.to.len());
             self.copy_ns_per_byte.push(ns / bytes as f64);
-            for (i, &isa) in plan.isas.iter().enumerate() {
+            for i in 0..self.isas.len() {
+                let isa = self.isas[i];
                 // Small working sets are near again after a pass.
                 if self.passes[i] > 1 {
                     self.pass(isa);
@@ -311,7 +328,7 @@ impl Turns {
         }
     }
 
-    fn timings(&self, kernel: &Kernel, level: &Level, plan: &Plan) -> Vec<Timing> {
+    fn timings(&self, kernel: &Kernel, level: &Level) -> Vec<Timing> {
         let bytes_per_test = self.bench.bytes_per_test();
         let per_byte = &self.copy_ns_per_byte;
         let copy_samples_ns: Vec<f64> = per_byte.iter().map(|ns| ns * bytes_per_test).collect();
@@ -344,7 +361,7 @@ impl Turns {
                 mora2011,
             }
         };
-        plan.isas.iter().enumerate().map(timing).collect()
+        self.isas.iter().enumerate().map(timing).collect()
     }
 }
 

@@ -251,7 +251,7 @@ pub enum Bench {
 #[command(after_help = "\
 kernels  Every inner loop that takes much of the time of a trace, called as a trace calls it, on
          made-up data that fit into the L2 cache (256 KiB), the L3 cache (8 MiB) or only into memory
-         (256 MiB). Filters keep about half. Each pass does the same work: index lists and all that
+         (256 MiB; not portable code). Filters keep about half. Each pass does the same work: index lists and all that
          passes change are put back between them, outside of the time. What the instruction sets
          answer is compared first; if they differ, the exit code is 1.
 
@@ -276,7 +276,7 @@ pub struct BenchArgs {
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 5,
+        default_value_t = 7,
         allow_negative_numbers = true,
         value_parser = whole(1..=1000u32)
     )]
