@@ -434,7 +434,7 @@ mod tests {
 
     /// Filters that keep all or nothing would be easier than those of a trace.
     #[test]
-    fn about_half_of_the_cones_meet_their_box() {
+    fn neither_all_nor_none_of_the_cones_meet_their_box() {
         let mut bench = cones(BOXES * CONES * 20);
         bench.reset();
         assert_eq!(bench.run(Isa::best()) as usize, BOXES * CONES);
