@@ -477,3 +477,6 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
