@@ -172,7 +172,7 @@ impl Memory {
 }
 
 /// What a pass over a batch has made.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Made {
     cones: Vec<[u32; 4]>,
     rays: Vec<[u32; 2]>,
@@ -221,24 +221,11 @@ fn made(batch: &Batch) -> Made {
                 .map(|i| memory.done[i / 64] >> (i % 64) & 1 == 1)
                 .collect(),
         };
-        assert_eq!(
-            first.get_or_insert_with(|| Made { ..clone(&made) }),
-            &made,
-            "{isa}"
-        );
+        assert_eq!(first.get_or_insert_with(|| made.clone()), &made, "{isa}");
     }
     let made = first.unwrap();
     check(batch, &made);
     made
-}
-
-fn clone(made: &Made) -> Made {
-    Made {
-        cones: made.cones.clone(),
-        rays: made.rays.clone(),
-        loose: made.loose.clone(),
-        done: made.done.clone(),
-    }
 }
 
 fn check(batch: &Batch, made: &Made) {
@@ -711,7 +698,7 @@ fn lists_of_cones_of_every_length() {
     };
     for n in 1..100 {
         let cone = |i: usize| {
-            let x = if hash(1, n as u64, i as u64) % 3 == 0 {
+            let x = if hash(1, n as u64, i as u64).is_multiple_of(3) {
                 -1.0
             } else {
                 1.0
@@ -741,7 +728,7 @@ fn termination_bits_of_packets_that_begin_at_any_bit() {
             let random = (0..8).map(|i| below(hash(len as u64, first as u64, i), RAYS as u32));
             let around = [first.wrapping_sub(1), first, first + len - 1, first + len];
             for (i, ray) in around.into_iter().chain(random).enumerate() {
-                if ray < RAYS as u32 && (first + len + i as u32) % 3 != 0 {
+                if ray < RAYS as u32 && !(first + len + i as u32).is_multiple_of(3) {
                     // SAFETY: it is a ray.
                     unsafe { cones.end(ray) };
                     ended[ray as usize] = true;
@@ -754,11 +741,8 @@ fn termination_bits_of_packets_that_begin_at_any_bit() {
                 }
             }
             // SAFETY: it is a cone.
-            assert_eq!(
-                unsafe { cones.bits(1) },
-                expected,
-                "{len} rays from {first}"
-            );
+            let bits = unsafe { cones.bits(1) };
+            assert_eq!(bits, expected, "{len} rays from {first}");
             for (ray, &ended) in ended.iter().enumerate() {
                 assert_eq!(memory.done[ray / 64] >> (ray % 64) & 1 == 1, ended);
             }

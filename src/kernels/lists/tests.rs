@@ -266,8 +266,8 @@ fn triangles_met_again_are_counted_and_keep_their_corners() {
             let n = found.len;
             assert!(n > 0);
             // Behind the list there are indices of triangles that are not in the step.
-            for (i, id) in memory.ids[n..].to_vec().into_iter().enumerate() {
-                memory.ids[n + i] = id.max(i as u32 % 100);
+            for (i, id) in memory.ids[n..].iter_mut().enumerate() {
+                *id = (*id).max(i as u32 % 100);
             }
             let len = len.min(n);
             let before = put_together_on(isa, &memory.lists(), n);
