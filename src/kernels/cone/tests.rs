@@ -798,3 +798,30 @@ fn all_rays_of_a_cone_that_are_not_done_are_flushed_in_their_order() {
         }
     }
 }
+
+#[test]
+fn behind_flushed_rays_there_are_numbers_of_rays() {
+    // The filter and the naive step look up whole vectors.
+    for isa in Isa::available() {
+        for n in 1..130 {
+            let batch: Batch = (0..n).map(|_| Ray::new(Vec3::ZERO, Vec3::X)).collect();
+            let mut memory = Memory::new(n);
+            let (rays, cones) = (memory.rays(), memory.cones());
+            // SAFETY: the processor was checked; there is room for the batch.
+            let end = unsafe {
+                let made = (Kernels::of(isa).prepare_cones)(&batch, &rays, &cones, least_cosine());
+                let list = Range {
+                    from: 0,
+                    to: made.cones,
+                };
+                (Kernels::of(isa).flush)(&cones, list, &rays, 0)
+            };
+            assert_eq!(end, n);
+            let behind = &memory.ray_ids[end..end + MAX_LANES];
+            assert!(
+                behind.iter().all(|&id| id < n as u32),
+                "{isa}, {n} rays: {behind:?}"
+            );
+        }
+    }
+}
