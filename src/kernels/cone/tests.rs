@@ -413,6 +413,25 @@ fn directions_without_a_length_in_float32_are_not_in_cones() {
     }
 }
 
+// Squares of lengths around 1e-20 are so small that they have few digits.
+#[test]
+fn cones_contain_their_rays_whatever_the_length_of_directions() {
+    for exponent in -40..=38 {
+        for seed in 0..20 {
+            let mut number = numbers(hash(1, exponent as u64, seed));
+            let middle = direction(&mut number);
+            let batch: Batch = (0..24)
+                .map(|_| {
+                    let d = middle + 0.05 * number() * across(middle, &mut number);
+                    let length = (0.1 + number()) * 10f64.powi(exponent);
+                    Ray::new(Vec3::ZERO, narrow(d * length))
+                })
+                .collect();
+            made(&batch);
+        }
+    }
+}
+
 /// Cones as the kernels take them, without rays.
 fn keep(cones: &[[f32; 4]], bounds: &Aabb, origin: Vec3) -> Vec<bool> {
     let n = cones.len();
