@@ -48,6 +48,7 @@
 //! One thread so far. A trace costs a pass over all triangles, however few the rays; the README says
 //! when another method is the better choice, and how fast this one is beside Embree.
 
+pub mod bench;
 pub mod geometry;
 mod kernels;
 mod methods;

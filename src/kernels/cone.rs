@@ -29,6 +29,8 @@ pub(crate) const LEAST_PACKET: usize = 8;
 /// A packet ends before a ray that is so many times as far from its first as any of its rays: at the
 /// end of a row of tiles, or where an object ends.
 const JUMP: f32 = 4.0;
+/// Directions whose squared length is below this are in no cone: denormals have few digits.
+const LEAST_SQUARE: f32 = 1e-30;
 /// Added to the sine of the half-angle, and the tolerance of comparisons.
 const TOLERANCE: f32 = 1.0 / (1 << 20) as f32;
 
@@ -164,8 +166,13 @@ impl Packet {
                 let valid = prepare::valid::<L>(&origin, &direction, tmin, tmax);
                 let valid = L::and(valid, L::first(packet.len - i));
                 packet.valid |= (L::bits(valid) as u64) << i;
-                // Where this overflows or underflows the packet will be no cone.
-                let length = L::sqrt(dot::<L>(&direction, &direction));
+                // Where squares lose digits the packet will be no cone.
+                let squared = dot::<L>(&direction, &direction);
+                let ordinary = L::and(
+                    L::le(L::splat(LEAST_SQUARE), squared),
+                    L::lt(squared, L::splat(f32::INFINITY)),
+                );
+                let length = L::select(ordinary, L::sqrt(squared), L::splat(f32::NAN));
                 for (unit, &d) in packet.unit.iter_mut().zip(&direction) {
                     L::store(unit.as_mut_ptr().add(i), L::div(d, length));
                 }

@@ -338,7 +338,8 @@ pub(crate) enum Done {
     /// of the cell whose triangles they have met.
     ///
     /// A later cell is behind a plane that this one is before, so a ray enters it, as computed, no
-    /// sooner than it leaves this one: slabs are monotone in their planes. A ray without a direction on
+    /// sooner than it leaves this one: slabs are monotone in their planes. (One that starts on the plane
+    /// and goes away from it may enter at t = 0, where nothing is hit.) A ray without a direction on
     /// an axis is not before or behind a plane across it; it is done only if its origin is
     /// strictly between this cell's.
     BeforeExit,
@@ -477,3 +478,6 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

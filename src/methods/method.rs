@@ -1,6 +1,6 @@
 //! The presets that the papers' names stand for.
 
-use super::object::SAMPLING;
+use super::object::{COMMON, SAMPLING};
 use super::{ObjectParameters, Parameters, SpaceParameters};
 use std::fmt;
 use std::str::FromStr;
@@ -58,11 +58,11 @@ impl Method {
     /// Whether a parameter, by the name of its field, means anything to the method: `sah_ratio` is
     /// the baseline's own, what speaks of samples is only for ray sampling, and so on.
     pub fn has(self, parameter: &str) -> bool {
-        let object = ObjectParameters::FIELDS.contains(&parameter);
+        let object = COMMON.contains(&parameter);
         let space = SpaceParameters::FIELDS.contains(&parameter);
         match self {
-            Method::Afra2012 => object && !SAMPLING.contains(&parameter),
-            Method::Nabata2013 => object && parameter != "sah_ratio",
+            Method::Afra2012 => object || parameter == "sah_ratio",
+            Method::Nabata2013 => object || SAMPLING.contains(&parameter),
             Method::Mora2011 => space && !CONES.contains(&parameter),
             Method::Mora2011Cones => space,
             Method::Mora2011Random => {

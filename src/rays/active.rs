@@ -72,6 +72,13 @@ impl ActiveRays {
         self.rays
     }
 
+    /// Ids of all places of the lists.
+    pub fn ids(&self) -> &[u32] {
+        let len = Self::stream_len(Self::capacity(self.rays));
+        // SAFETY: the fourth stream of so many floats, written as integers.
+        unsafe { std::slice::from_raw_parts(self.lines.as_ptr().cast::<u32>().add(3 * len), len) }
+    }
+
     /// The streams for lists and those for one list's rejected rays.
     pub fn streams(&mut self) -> (Streams, Streams) {
         let active = Self::stream_len(Self::capacity(self.rays));

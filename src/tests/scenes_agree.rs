@@ -12,11 +12,8 @@ const LARGE: usize = 1_000_000;
 
 /// Whether portable code traces rays of this type in a scene of so many triangles. It is slow.
 fn portable_traces(ray_type: RayType, triangles: usize) -> bool {
-    match ray_type {
-        RayType::Primary => true,
-        RayType::ShadowPoint | RayType::Diffuse(2) => triangles <= LARGE,
-        _ => triangles <= 100_000,
-    }
+    let few = [RayType::ShadowPoint, RayType::Diffuse(2)].contains(&ray_type);
+    triangles < 100_000 || ray_type == RayType::Primary || (triangles < LARGE && few)
 }
 
 fn folder() -> PathBuf {

@@ -7,6 +7,7 @@ pub mod embree;
 pub mod hash;
 pub mod json_float;
 pub mod judge;
+pub mod kernels;
 pub mod machine;
 pub mod measure;
 pub mod npy;

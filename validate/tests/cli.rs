@@ -8,7 +8,9 @@ use std::path::Path;
 #[test]
 fn help_is_there_for_every_command() {
     let folder = Folder::new();
-    for command in ["", "run", "paper", "trace", "render", "scenes", "env"] {
+    for command in [
+        "", "run", "paper", "bench", "trace", "render", "scenes", "env",
+    ] {
         let help = folder.dacrt(&format!("{command} --help"));
         let text = help.exits(0).stdout();
         assert!(text.contains("Usage: dacrt"), "{text}");

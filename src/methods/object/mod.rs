@@ -7,6 +7,6 @@ mod split;
 mod trace;
 
 pub(super) use memory::Memory;
-pub(super) use parameters::SAMPLING;
 pub use parameters::{Axes, Cost, Draws, ObjectParameters, OneRay, Order};
+pub(super) use parameters::{COMMON, SAMPLING};
 pub(super) use trace::trace;

@@ -112,6 +112,10 @@ pub struct ObjectParameters {
     pub second_sample: bool,
 }
 
+/// Parameters that both methods have.
+pub(in crate::methods) const COMMON: [&str; 5] =
+    ["leaf_triangles", "leaf_rays", "bins", "axes", "one_ray"];
+
 /// Parameters that only ray sampling has.
 pub(in crate::methods) const SAMPLING: [&str; 13] = [
     "cost",
@@ -130,29 +134,6 @@ pub(in crate::methods) const SAMPLING: [&str; 13] = [
 ];
 
 impl ObjectParameters {
-    /// Names of the fields.
-    pub(in crate::methods) const FIELDS: [&str; 19] = [
-        "leaf_triangles",
-        "leaf_rays",
-        "bins",
-        "axes",
-        "sah_ratio",
-        "one_ray",
-        "cost",
-        "order",
-        "skip",
-        "threshold",
-        "samples",
-        "min_rays",
-        "draws",
-        "sample_middle",
-        "leaf_criterion",
-        "box_cost",
-        "order_unbiased",
-        "alpha_refresh",
-        "second_sample",
-    ];
-
     /// The baseline: Áfra 2012 as Nabata 2013, section 5, describes it.
     pub const AFRA2012: ObjectParameters = ObjectParameters {
         leaf_triangles: 8,

@@ -1,6 +1,7 @@
 //! The command line: [`args`] is what was typed, [`plan`] what it means, the rest does it.
 
 mod args;
+mod bench;
 mod color;
 mod engine;
 mod env;
@@ -38,6 +39,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Run(args) => run::run(&args),
         Command::Paper(args) => paper::paper(&args),
+        Command::Bench(args) => bench::bench(&args),
         Command::Render(args) => render::render(&args),
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Trace(args) => trace::trace(&args),

@@ -254,20 +254,22 @@ pub fn engine(args: &EngineArgs) -> anyhow::Result<Engine> {
         "--threads {}: not there yet; this version traces with one thread",
         args.threads
     );
-    let isa = match args.isa.as_deref() {
-        None => Isa::best(),
-        Some(name) => {
-            let isa = Isa::from_str(name).ok();
-            let names = Isa::ALL.map(Isa::name);
-            isa.with_context(|| format!("--isa: {}", no_such("instruction set", name, &names)))?
-        }
-    };
-    let available: Vec<Isa> = Isa::available().collect();
-    check_available(isa, &available)?;
+    let isa = args.isa.as_deref().map_or(Ok(Isa::best()), isa)?;
     Ok(Engine {
         isa,
         seed: args.seed,
     })
+}
+
+/// An instruction set that this processor has.
+pub fn isa(name: &str) -> anyhow::Result<Isa> {
+    let isa = Isa::from_str(name).ok();
+    let names = Isa::ALL.map(Isa::name);
+    let isa =
+        isa.with_context(|| format!("--isa: {}", no_such("instruction set", name, &names)))?;
+    let available: Vec<Isa> = Isa::available().collect();
+    check_available(isa, &available)?;
+    Ok(isa)
 }
 
 fn check_available(isa: Isa, available: &[Isa]) -> anyhow::Result<()> {

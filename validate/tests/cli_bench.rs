@@ -1,0 +1,74 @@
+//! `dacrt bench kernels` from outside.
+
+mod command;
+
+use command::Folder;
+use dacrt::Isa;
+use dacrt::bench::KERNELS;
+use dacrt_validate::kernels::Document;
+
+const QUICK: &str = "bench kernels --quick --repeats 2";
+
+#[test]
+fn every_kernel_has_a_line_for_each_instruction_set() {
+    let folder = Folder::new();
+    let text = folder.dacrt(QUICK).exits(0).stdout();
+    for line in text.lines() {
+        assert!(line.chars().count() <= 100, "{line}");
+    }
+    let bytes = std::fs::read(folder.path("dacrt-bench.json")).unwrap();
+    let document: Document = serde_json::from_slice(&bytes).unwrap();
+    let isas: Vec<Isa> = Isa::available().collect();
+    for kernel in KERNELS {
+        let begins = format!("{}  tiny ", kernel.name);
+        let begin = |l: &str| l.split_whitespace().collect::<Vec<_>>().join(" ");
+        let lines = (text.lines()).filter(|l| begin(l).starts_with(&begin(&begins)));
+        assert_eq!(lines.count(), isas.len(), "{}\n{text}", kernel.name);
+        for isa in &isas {
+            let of = |t: &&dacrt_validate::kernels::Timing| {
+                t.kernel == kernel.name && t.isa == isa.name()
+            };
+            let timings: Vec<_> = document.timings.iter().filter(of).collect();
+            assert_eq!(timings.len(), 1, "{}, {isa}", kernel.name);
+            assert!(timings[0].ns.ratio > 0.0 && timings[0].samples_ns.len() == 2);
+        }
+    }
+}
+
+#[test]
+fn one_instruction_set_may_be_named() {
+    let folder = Folder::new();
+    let run = folder.dacrt(&format!("{QUICK} --isa portable --out one.json"));
+    assert!(!run.exits(0).stdout().contains("avx"), "{}", run.stdout());
+    let document = folder.json("one.json");
+    assert_eq!(document["kind"], "kernels");
+    assert_eq!(document["timings"].as_array().unwrap().len(), KERNELS.len());
+    assert_eq!(std::fs::read_dir(folder.path("")).unwrap().count(), 2);
+}
+
+/// A file of times of kernels has no cells.
+#[test]
+fn the_file_is_not_taken_for_a_result() {
+    let folder = Folder::new();
+    folder
+        .dacrt(&format!("{QUICK} --isa portable --out out.json"))
+        .exits(0);
+    folder
+        .dacrt("run --scenes ./tiny.json --resolution 8 --repeats 1 --resume --out out.json")
+        .refuses(&["out.json", "is not a result file", "schema"]);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let folder = Folder::new();
+    for (line, words) in [
+        ("bench", &["<WHAT>"][..]),
+        ("bench kernel", &["kernel", "kernels"]),
+        ("bench kernels --isa sse", &["--isa", "sse", "portable"]),
+        ("bench kernels --isa avx512,sse", &["sse"]),
+        ("bench kernels --repeats 0", &["--repeats", "1 to 1000"]),
+        ("bench kernels --out no/such.json", &["--out", "no folder"]),
+    ] {
+        folder.dacrt(line).refuses(words);
+    }
+}
