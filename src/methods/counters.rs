@@ -31,7 +31,7 @@ pub struct Counters {
     pub sampled_nodes: u64,
     /// Nodes split by a cost function over bins: by the surface area heuristic or by samples.
     pub sah_nodes: u64,
-    /// Nodes split in the middle.
+    /// Nodes of lists of triangles that are split in the middle.
     pub middle_nodes: u64,
     /// First children that got all rays unfiltered.
     pub skips_near: u64,
