@@ -62,7 +62,7 @@ impl Tracer {
         Tracer { seed, ..self }
     }
 
-    /// Whether to count [`Counters::skipped_rays_that_miss`], which costs about what skipping saves:
+    /// Whether to count [`Counters::skipped_rays_that_miss`](super::Counters::skipped_rays_that_miss), which costs about what skipping saves:
     /// not for timing.
     pub fn with_audit(self, audit: bool) -> Tracer {
         Tracer { audit, ..self }
