@@ -10,6 +10,8 @@ pub mod judge;
 pub mod kernels;
 pub mod machine;
 pub mod measure;
+pub mod merge;
 pub mod npy;
 pub mod results;
 pub mod statistics;
+pub mod sweep;

@@ -2,6 +2,7 @@
 
 use crate::diff::Diff;
 use crate::machine::{Machine, Software};
+use crate::sweep::SweepRun;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -27,8 +28,26 @@ pub struct Document {
     pub threads: usize,
     /// The command line, one string an argument.
     pub command: Vec<String>,
+    /// The sweep that it is, or is a shard of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<SweepRun>,
+    /// The files that were merged into it; then `command` is that of the merge, and `machine` that
+    /// of the first piece.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pieces: Vec<Piece>,
     /// What was measured.
     pub cells: Vec<Cell>,
+}
+
+/// One of the files that were merged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Piece {
+    /// Where it ran.
+    pub machine: Machine,
+    /// Its command line.
+    pub command: Vec<String>,
+    /// How many cells it brought.
+    pub cells: usize,
 }
 
 /// One scene × camera × size × ray type × method × parameters.
@@ -117,15 +136,20 @@ pub struct CellKey {
 }
 
 impl CellKey {
+    /// What all cells of one batch have in common: scene, camera, size, samples, ray type.
+    pub fn batch(&self) -> (&str, &str, [u32; 2], u32, &str) {
+        let size = (self.resolution, self.spp);
+        (&self.scene, &self.camera, size.0, size.1, &self.rays)
+    }
+
     /// Whether both name the same cell. The variant does not count: method and rays decide it, but
     /// only the trace shows whether the rays share an origin.
-    pub fn is(&self, other: &CellKey) -> bool {
-        let without_variant = |key: &CellKey| {
-            let mut key = key.clone();
-            key.parameters.remove("variant");
-            key
-        };
-        without_variant(self) == without_variant(other)
+    pub fn is<'a>(&'a self, other: &'a CellKey) -> bool {
+        let parameters =
+            |key: &'a CellKey| key.parameters.iter().filter(|(name, _)| *name != "variant");
+        self.batch() == other.batch()
+            && (&self.method, &self.precision) == (&other.method, &other.precision)
+            && parameters(self).eq(parameters(other))
     }
 }
 
@@ -201,6 +225,43 @@ pub enum ResultError {
     },
 }
 
+/// What must be the same for cells to stand in one document, each with its name.
+pub fn circumstances(document: &Document) -> [(&'static str, String); 8] {
+    let Document {
+        machine, software, ..
+    } = document;
+    let embree = software.embree.as_ref();
+    [
+        ("cpu", machine.cpu.clone()),
+        ("instruction set", machine.isa.clone()),
+        ("seed", document.seed.to_string()),
+        ("number of threads", document.threads.to_string()),
+        (
+            "commit",
+            software.commit.clone().unwrap_or("unknown".to_owned()),
+        ),
+        (
+            "state of the source",
+            format!("dirty: {:?}", software.dirty),
+        ),
+        ("compiler", software.rustc.clone()),
+        (
+            "Embree",
+            embree.map_or("none".to_owned(), |e| format!("{} {}", e.version, e.isa)),
+        ),
+    ]
+}
+
+/// Which part of a sweep it is.
+fn shard(document: &Document) -> [(&'static str, String); 1] {
+    let part = |sweep: &SweepRun| match sweep.shard {
+        Some([i, n]) => format!("shard {i} of {n}"),
+        None => "all".to_owned(),
+    };
+    let part = document.sweep.as_ref().map_or("none".to_owned(), part);
+    [("part of a sweep", part)]
+}
+
 impl Document {
     /// Reads a result file, plain or gzip (told by its first bytes, not by its name).
     ///
@@ -267,31 +328,9 @@ impl Document {
             return Ok(());
         }
         let earlier = Document::read(path)?;
-        let circumstances = |d: &Document| {
-            let software = &d.software;
-            let embree = software.embree.as_ref();
-            [
-                ("cpu", d.machine.cpu.clone()),
-                ("instruction set", d.machine.isa.clone()),
-                ("seed", d.seed.to_string()),
-                ("number of threads", d.threads.to_string()),
-                (
-                    "commit",
-                    software.commit.clone().unwrap_or("unknown".to_owned()),
-                ),
-                (
-                    "state of the source",
-                    format!("dirty: {:?}", software.dirty),
-                ),
-                ("compiler", software.rustc.clone()),
-                (
-                    "Embree",
-                    embree.map_or("none".to_owned(), |e| format!("{} {}", e.version, e.isa)),
-                ),
-            ]
-        };
         for ((what, found), (_, here)) in
-            circumstances(&earlier).into_iter().zip(circumstances(self))
+            (shard(&earlier).into_iter().chain(circumstances(&earlier)))
+                .zip(shard(self).into_iter().chain(circumstances(self)))
         {
             if found != here {
                 let path = path.to_owned();
@@ -305,6 +344,36 @@ impl Document {
         }
         self.cells = earlier.cells;
         Ok(())
+    }
+
+    /// The parameters that have more than one value among the cells of one method.
+    pub fn varied(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for (i, a) in self.cells.iter().enumerate() {
+            let of_method = |b: &&Cell| b.key.method == a.key.method;
+            let Some(b) = self.cells[..i].iter().find(of_method) else {
+                continue;
+            };
+            for (name, value) in &a.key.parameters {
+                let differs = b.key.parameters.get(name).is_some_and(|v| v != value);
+                if differs && name != "variant" && !names.contains(name) {
+                    names.push(name.clone());
+                }
+            }
+        }
+        names
+    }
+
+    /// What tells a cell from others of its method and batch: `name=value` for each parameter that
+    /// is varied; may be empty.
+    pub fn label(&self, cell: &Cell) -> String {
+        let parts: Vec<String> = (self.varied().iter())
+            .filter_map(|name| match cell.key.parameters.get(name)? {
+                Value::String(word) => Some(format!("{name}={word}")),
+                value => Some(format!("{name}={value}")),
+            })
+            .collect();
+        parts.join(" ")
     }
 
     /// The cell of this key, if it is finished.

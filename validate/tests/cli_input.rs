@@ -47,11 +47,11 @@ fn usage_errors() {
     refuses("run --resolution big", &["--resolution", "WxH"]);
     refuses(
         "run --scenes ./tiny.json --resolution 100000",
-        &["--resolution 100000x100000"],
+        &["resolution 100000x100000"],
     );
     refuses(
         "run --scenes ./tiny.json --resolution 40000",
-        &["--resolution 40000x40000", "GiB"],
+        &["resolution 40000x40000", "GiB"],
     );
     refuses(
         "run --scenes ./tiny.json,tiny.json",

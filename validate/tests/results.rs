@@ -121,6 +121,8 @@ fn document() -> Document {
         seed: 1,
         threads: 1,
         command: vec!["dacrt".into(), "run".into()],
+        sweep: None,
+        pieces: Vec::new(),
         cells: vec![cell("afra2012"), cell("nabata2013")],
     }
 }

@@ -2,6 +2,7 @@
 //! [`super::plan`] makes sense of it.
 
 use super::knobs::KnobLists;
+use super::shard::Shard;
 use super::size::{Resolution, Spp};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fmt::Display;
@@ -20,6 +21,8 @@ use std::str::FromStr;
 Examples:
   dacrt run                                          the main job: three generated scenes and more
   dacrt run --scenes sibenik,hall --resolution 1024 --rays primary,diffuse-1
+  dacrt sweep scripts/sweeps/bins.json
+  dacrt table dacrt-run.json --csv
   dacrt paper mora2011
   dacrt bench kernels
   dacrt render hall --what shaded,boxes
@@ -40,6 +43,12 @@ pub struct Cli {
 pub enum Command {
     /// Trace scenes with several methods, check every hit, measure, write a JSON file
     Run(RunArgs),
+    /// Measure the product of a sweep file; goes on where it was if it was stopped
+    Sweep(SweepArgs),
+    /// Put the shards of a sweep, or other pieces, into one result file
+    Merge(MergeArgs),
+    /// Print a result file as a table or as CSV
+    Table(TableArgs),
     /// Measure what a paper prints, and set its figures beside ours
     Paper(PaperArgs),
     /// Measure the inner loops one by one, beside what the machine can do at most
@@ -184,6 +193,109 @@ pub struct RunArgs {
     pub engine: EngineArgs,
     #[command(flatten)]
     pub knobs: KnobLists,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+The file says what to measure; scripts/sweeps has some. Lists of scenes, sizes, ray types, methods
+and values of method parameters, by the names that they have in result files:
+  {
+    \"about\": \"Bins around the paper's 32\",
+    \"scenes\": [\"sibenik\", \"sponza\"],
+    \"resolution\": [512, [1280, 800]],
+    \"spp\": [1],
+    \"rays\": [\"primary\", \"diffuse-1\"],
+    \"methods\": [\"afra2012\", \"nabata2013\"],
+    \"parameters\": { \"bins\": [4, 8, 16, 32, 64, 128] }
+  }
+`about`, `spp` and `parameters` may be left out. Each combination is a cell; a parameter that a
+method lacks makes no cells of it.
+
+The result file is written, whole or not at all, after each batch (scene, size and ray type: its
+cells are measured in turns, so that their ratios are of the same minutes). A sweep that is called
+again goes on with what is missing, if program, machine, seed and the rest are the same; cells that
+are not of this sweep are an error, and nothing is overwritten.
+
+Shards are whole batches, dealt out by rays times contestants; `dacrt merge` joins their files.
+
+Examples:
+  dacrt sweep scripts/sweeps/bins.json
+  dacrt sweep scripts/sweeps/samples.json --scenes hall --resolution 256
+  dacrt sweep scripts/sweeps/bins.json --shard 2/3 --out bins-2.json       on the second of three
+  dacrt merge bins-1.json bins-2.json bins-3.json --out bins.json")]
+pub struct SweepArgs {
+    /// What to measure: JSON
+    pub file: PathBuf,
+    /// Scenes instead of those of the file
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub scenes: Option<Vec<String>>,
+    /// Picture sizes in pixels instead of those of the file
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "N|WxH",
+        allow_negative_numbers = true
+    )]
+    pub resolution: Option<Vec<Resolution>>,
+    /// Only the I-th, from 1, of N parts
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// Measured repeats of each contestant
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 5,
+        allow_negative_numbers = true,
+        value_parser = whole(1..=1000u32)
+    )]
+    pub repeats: u32,
+    /// Where the results go, as JSON [default: dacrt-NAME.json for a sweep NAME.json]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+The pieces must have been made by the same program (commit, compiler, Embree) with the same seed,
+number of threads and instruction set on processors of the same model, cells of one batch must have
+the same rays, no cell may be in two pieces, and of a sweep in shards none may be missing. Else the
+exit code is 2, and nothing is written.
+
+Examples:
+  dacrt merge dacrt-bins-1of2.json dacrt-bins-2of2.json --out dacrt-bins.json")]
+pub struct MergeArgs {
+    /// Result files
+    #[arg(required = true, value_name = "FILES")]
+    pub files: Vec<PathBuf>,
+    /// Where the whole goes, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Without an option, the table that `dacrt run` printed. --over has a line a batch and a column a
+value: how many times as fast as with the default value, and as afra2012 (`<`, `>`: the 95 %
+interval lies below, above 1). --csv has a line a cell and a column for each key of the result file.
+
+Examples:
+  dacrt table results/2026-11-22-zen5-1024.json.gz
+  dacrt table dacrt-bins.json --over bins
+  dacrt table dacrt-run.json --over method
+  dacrt table dacrt-run.json --csv > run.csv")]
+pub struct TableArgs {
+    /// Result file, plain or gzip
+    pub file: PathBuf,
+    /// Compare the values of this parameter, or `method`
+    #[arg(long, value_name = "PARAMETER")]
+    pub over: Option<String>,
+    /// Write comma-separated values instead
+    #[arg(long, conflicts_with = "over")]
+    pub csv: bool,
 }
 
 /// A paper with figures to set ours beside.

@@ -29,10 +29,10 @@ pub fn bench(args: &BenchArgs) -> anyhow::Result<Verdict> {
         repeats: args.repeats as usize,
         sample_ns: if args.quick { 2e4 } else { 2e6 },
     };
-    let progress = Progress::new(KERNELS.len() * plan.levels.len());
+    let progress = Progress::new(&vec![1.0; KERNELS.len() * plan.levels.len()]);
     let measured = measure(&plan, |kernel, level| {
         progress.step(&format!("{}: {}", kernel.name, level.name));
-        progress.advance();
+        progress.advance(1.0);
     });
     progress.finish();
     let document = match measured {

@@ -2,8 +2,10 @@
 
 use anyhow::{Context, anyhow, bail, ensure};
 use clap::{Arg, ArgMatches, Command};
+use dacrt::scene::no_such;
 use dacrt::{Method, ObjectParameters, Parameters, SpaceParameters};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// A field of [`Parameters`], `-` for `_`, and what it means.
 type Knob = (&'static str, &'static str);
@@ -154,9 +156,14 @@ fn with(parameters: &Parameters, knob: &str, text: &str) -> anyhow::Result<Param
 }
 
 fn value_of(parameters: &Parameters, knob: &str) -> String {
-    match &fields(parameters)[&field(knob)] {
+    plain(&fields(parameters)[&field(knob)])
+}
+
+/// A word without quotes, a number or truth value as in JSON.
+pub fn plain(value: &Value) -> String {
+    match value {
         Value::String(word) => word.clone(),
-        value => value.to_string(),
+        other => other.to_string(),
     }
 }
 
@@ -239,6 +246,34 @@ impl clap::FromArgMatches for KnobLists {
 }
 
 impl KnobLists {
+    /// The lists of a sweep file, where parameters have the names of their fields; a parameter that
+    /// none of the methods has is an error, for it would make no cells.
+    pub fn of_sweep(
+        parameters: &BTreeMap<String, Vec<Value>>,
+        methods: &[Method],
+    ) -> anyhow::Result<KnobLists> {
+        let known = KNOBS.map(|(name, _)| field(name));
+        let mut lists = Vec::new();
+        for (name, values) in parameters {
+            let place = || format!("parameters.{name}");
+            let knob = known.iter().position(|field| field == name);
+            let knob = knob.with_context(|| no_such("parameter", name, &known));
+            let (knob, _) = KNOBS[knob.with_context(place)?];
+            let owner = methods.iter().find(|m| m.has(name));
+            let owner = owner.with_context(|| {
+                let methods = listed(methods);
+                format!("{}: no cells, for {methods} lack it", place())
+            })?;
+            let texts: Vec<String> = values.iter().map(plain).collect();
+            for text in &texts {
+                with(&owner.parameters(), knob, text)
+                    .with_context(|| format!("{}: {text}", place()))?;
+            }
+            lists.push((knob, texts));
+        }
+        Ok(KnobLists(lists))
+    }
+
     /// The typed values of those parameters that `method` has.
     fn of(&self, method: Method) -> impl Iterator<Item = &(&'static str, Vec<String>)> {
         self.0

@@ -6,6 +6,7 @@ mod color;
 mod engine;
 mod env;
 mod knobs;
+mod merge;
 mod paper;
 mod picture;
 mod plan;
@@ -13,8 +14,10 @@ mod render;
 mod run;
 mod scenes;
 mod shade;
+mod shard;
 mod size;
 mod source;
+mod sweep;
 mod table;
 mod text;
 mod trace;
@@ -32,12 +35,23 @@ enum Verdict {
     Finding,
 }
 
+/// The command line for result files, without the folders before the program's name.
+fn command_line() -> Vec<String> {
+    let arguments = std::env::args().skip(1);
+    std::iter::once("dacrt".to_owned())
+        .chain(arguments)
+        .collect()
+}
+
 /// Runs the command that the arguments ask for. Every error is a message and exit code 2.
 pub fn main() -> ExitCode {
     // On a usage error clap writes its own message and exits with 2.
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Run(args) => run::run(&args),
+        Command::Sweep(args) => sweep::sweep(&args),
+        Command::Merge(args) => merge::merge(&args),
+        Command::Table(args) => table::table(&args),
         Command::Paper(args) => paper::paper(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::Render(args) => render::render(&args),

@@ -3,6 +3,7 @@
 
 use super::args::{EngineArgs, RunArgs};
 use super::knobs::{KnobLists, baseline_of};
+use super::run::Progress;
 use super::size::{Resolution, Spp};
 use super::source::{SceneSource, View, mesh_folders};
 use super::text::thousands;
@@ -10,7 +11,9 @@ use anyhow::{Context, bail, ensure};
 use dacrt::scene::no_such;
 use dacrt::workloads::{Film, RayType};
 use dacrt::{Isa, Method, Parameters};
+use dacrt_validate::embree::{Quality, Query};
 use dacrt_validate::machine::Machine;
+use dacrt_validate::sweep::SweepRun;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -37,9 +40,20 @@ pub struct Contestant {
 }
 
 /// One batch of rays and who traces it.
+#[derive(Clone)]
 pub struct Round {
+    pub film: Film,
     pub rays: RayType,
     pub contestants: Vec<Contestant>,
+}
+
+impl Round {
+    /// About how much there is to do, in rays traced by somebody: each contestant traces all rays,
+    /// and so do the combinations of Embree.
+    pub fn work(&self) -> f64 {
+        const EMBREE: usize = Quality::ALL.len() * Query::ALL.len();
+        (self.film.rays() * (self.contestants.len() + EMBREE)) as f64
+    }
 }
 
 /// A scene and its batches.
@@ -49,15 +63,26 @@ pub struct SceneJob {
     pub rounds: Vec<Round>,
 }
 
+/// What to measure, as typed or as it stands in a sweep file; lists that are not given are for the
+/// plan to choose.
+pub struct Request<'a> {
+    pub scenes: Option<&'a [String]>,
+    pub rays: Option<&'a [String]>,
+    pub methods: Option<&'a [String]>,
+    pub films: Vec<Film>,
+    pub knobs: &'a KnobLists,
+}
+
 /// All that `run` has to do.
 pub struct RunPlan {
     pub scenes: Vec<SceneJob>,
-    pub films: Vec<Film>,
     pub repeats: u32,
     pub engine: Engine,
     pub mesh_folders: Vec<PathBuf>,
     pub out: PathBuf,
     pub resume: bool,
+    /// The sweep that this is, or is a shard of.
+    pub sweep: Option<SweepRun>,
     pub warnings: Vec<String>,
 }
 
@@ -66,73 +91,17 @@ impl RunPlan {
     pub fn new(args: &RunArgs) -> anyhow::Result<RunPlan> {
         let engine = engine(&args.engine)?;
         let mesh_folders = mesh_folders(&args.meshes);
-        let mut warnings = Vec::new();
-        let methods = match &args.methods {
-            Some(names) => Some(
-                distinct(names)
-                    .map(method)
-                    .collect::<anyhow::Result<Vec<_>>>()?,
-            ),
-            None => None,
+        let request = Request {
+            scenes: args.scenes.as_deref(),
+            rays: args.rays.as_deref(),
+            methods: args.methods.as_deref(),
+            films: films(&args.resolution, &args.spp)?,
+            knobs: &args.knobs,
         };
-        let mut round = |rays| -> anyhow::Result<Round> {
-            let methods = methods.as_deref().unwrap_or_else(|| default_methods(rays));
-            let contestants = contestants(methods, &args.knobs)?;
-            for warning in missing_baselines(&contestants) {
-                if !warnings.contains(&warning) {
-                    warnings.push(warning);
-                }
-            }
-            Ok(Round { rays, contestants })
-        };
-
-        let rays = match &args.rays {
-            Some(names) => Some(
-                distinct(names)
-                    .map(ray_type)
-                    .collect::<anyhow::Result<Vec<_>>>()?,
-            ),
-            None => None,
-        };
-        let names = match &args.scenes {
-            Some(names) => distinct(names).collect(),
-            None => DEFAULT_SCENES.to_vec(),
-        };
-        let mut scenes = Vec::new();
-        let mut left_out = Vec::new();
-        for name in names {
-            let source = SceneSource::find(name)?;
-            if let Some(missing) = source.missing_mesh(&mesh_folders) {
-                ensure!(args.scenes.is_none(), "{missing}");
-                left_out.push(format!("left out: {missing}"));
-                continue;
-            }
-            let rays = match &rays {
-                Some(rays) => rays.clone(),
-                None => {
-                    let rays = DEFAULT_RAYS.into_iter();
-                    rays.filter(|r| source.is_for(*r)).collect()
-                }
-            };
-            let rounds = rays.into_iter().map(&mut round);
-            let rounds = rounds.collect::<anyhow::Result<Vec<_>>>()?;
-            add_scene(&mut scenes, source, rounds)?;
-        }
-        warnings.append(&mut left_out);
-
-        let mut films = Vec::new();
-        for size in &args.resolution {
-            for spp in &args.spp {
-                let film = film(*size, *spp)?;
-                if !films.contains(&film) {
-                    films.push(film);
-                }
-            }
-        }
+        let (scenes, warnings) = scene_jobs(&request, &mesh_folders)?;
         check_writable(&args.out).context("--out")?;
         Ok(RunPlan {
             scenes,
-            films,
             repeats: args
                 .repeats
                 .unwrap_or(if args.scenes.is_some() { 5 } else { 3 }),
@@ -140,15 +109,90 @@ impl RunPlan {
             mesh_folders,
             out: args.out.clone(),
             resume: args.resume,
+            sweep: None,
             warnings,
         })
     }
 
-    /// Number of batches.
-    pub fn groups(&self) -> usize {
-        let batches: usize = self.scenes.iter().map(|scene| scene.rounds.len()).sum();
-        self.films.len() * batches
+    /// A bar for the batches.
+    pub fn progress(&self) -> Progress {
+        Progress::new(&self.rounds().map(Round::work).collect::<Vec<_>>())
     }
+
+    /// All batches, in the order in which they are measured.
+    pub fn rounds(&self) -> impl Iterator<Item = &Round> {
+        self.scenes.iter().flat_map(|scene| &scene.rounds)
+    }
+}
+
+/// The batches of each scene, and warnings. A scene that was named and lacks a mesh is an error.
+pub fn scene_jobs(
+    request: &Request,
+    mesh_folders: &[PathBuf],
+) -> anyhow::Result<(Vec<SceneJob>, Vec<String>)> {
+    let mut warnings = Vec::new();
+    let methods = request.methods.map(|names| {
+        let methods = distinct(names).map(method);
+        methods.collect::<anyhow::Result<Vec<_>>>()
+    });
+    let methods = methods.transpose()?;
+    let rays = request.rays.map(|names| {
+        let rays = distinct(names).map(ray_type);
+        rays.collect::<anyhow::Result<Vec<_>>>()
+    });
+    let rays = rays.transpose()?;
+    let names = match request.scenes {
+        Some(names) => distinct(names).collect(),
+        None => DEFAULT_SCENES.to_vec(),
+    };
+    let mut scenes = Vec::new();
+    let mut left_out = Vec::new();
+    for name in names {
+        let source = SceneSource::find(name)?;
+        if let Some(missing) = source.missing_mesh(mesh_folders) {
+            ensure!(request.scenes.is_none(), "{missing}");
+            left_out.push(format!("left out: {missing}"));
+            continue;
+        }
+        let rays = rays.clone().unwrap_or_else(|| {
+            let rays = DEFAULT_RAYS.into_iter();
+            rays.filter(|r| source.is_for(*r)).collect()
+        });
+        let mut rounds = Vec::new();
+        for &film in &request.films {
+            for &rays in &rays {
+                let methods = methods.as_deref().unwrap_or_else(|| default_methods(rays));
+                let contestants = contestants(methods, request.knobs)?;
+                for warning in missing_baselines(&contestants) {
+                    if !warnings.contains(&warning) {
+                        warnings.push(warning);
+                    }
+                }
+                rounds.push(Round {
+                    film,
+                    rays,
+                    contestants,
+                });
+            }
+        }
+        add_scene(&mut scenes, source, rounds)?;
+    }
+    warnings.append(&mut left_out);
+    Ok((scenes, warnings))
+}
+
+/// Each combination of a size and a number of samples, once.
+pub fn films(sizes: &[Resolution], samples: &[Spp]) -> anyhow::Result<Vec<Film>> {
+    let mut films = Vec::new();
+    for &size in sizes {
+        for &spp in samples {
+            let film = film(size, spp)?;
+            if !films.contains(&film) {
+                films.push(film);
+            }
+        }
+    }
+    Ok(films)
 }
 
 /// Adds a scene whose meshes are there; an error if it lacks what the rays need, or has the name of
@@ -286,15 +330,15 @@ fn check_available(isa: Isa, available: &[Isa]) -> anyhow::Result<()> {
 pub fn film(size: Resolution, spp: Spp) -> anyhow::Result<Film> {
     /// Rays, workspace, several lists of answers, and the rays in Embree's structures.
     const BYTES_A_RAY: u64 = 400;
-    let options = || format!("--resolution {size} --spp {}", spp.0);
-    let film = Film::new(size.width, size.height, spp.0).with_context(options)?;
+    let what = || format!("resolution {size}, spp {}", spp.0);
+    let film = Film::new(size.width, size.height, spp.0).with_context(what)?;
     let needed = film.rays() as u64 * BYTES_A_RAY;
     let memory = Machine::here("").memory_bytes;
     let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
     ensure!(
         needed <= memory,
         "{}: {} rays need about {:.0} GiB, and this machine has {:.1}",
-        options(),
+        what(),
         thousands(film.rays() as u64),
         gib(needed),
         gib(memory)

@@ -6,13 +6,13 @@ use super::Verdict;
 use super::args::{Paper, PaperArgs};
 use super::knobs::KnobLists;
 use super::plan::{Round, RunPlan, add_scene, check_writable, contestants, distinct, engine, film};
-use super::run::{self, Progress};
+use super::run;
 use super::size::Spp;
 use super::source::{SceneSource, mesh_folders};
 use super::text::print;
 use anyhow::{Context, ensure};
 use dacrt::Method;
-use dacrt::workloads::RayType;
+use dacrt::workloads::{Film, RayType};
 use fig8::{Figure, Scene};
 
 /// Interiors and a scan whose meshes are at hand; of Mora's own scenes only Conference is, in
@@ -23,22 +23,23 @@ const SCENES: [&str; 4] = ["sibenik", "conference", "sponza", "bunny"];
 pub fn paper(args: &PaperArgs) -> anyhow::Result<Verdict> {
     let Paper::Mora2011 = args.paper;
     let mut figure = Figure::default();
-    let plan = plan(args, &mut figure)?;
-    let progress = Progress::new(plan.groups());
+    let film = film(args.resolution, Spp(1))?;
+    let plan = plan(args, film, &mut figure)?;
+    let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
-    let findings = run::execute(&plan, &progress, &mut |key, _, cells| {
+    let findings = run::execute(&plan, &progress, &mut |key, _, cells, _| {
         figure.take(key, cells);
         Ok(())
     })?;
     progress.finish();
     let results = format!("\nresults: {}\n", plan.out.display());
-    print(&(figure.text(plan.films[0]) + &results + findings.text()))?;
+    print(&(figure.text(film) + &results + findings.text()))?;
     Ok(findings.verdict())
 }
 
 /// The batches that the three columns of Fig. 8 are made of. `figure` gets the scenes, those without
 /// a mesh included.
-fn plan(args: &PaperArgs, figure: &mut Figure) -> anyhow::Result<RunPlan> {
+fn plan(args: &PaperArgs, film: Film, figure: &mut Figure) -> anyhow::Result<RunPlan> {
     let engine = engine(&args.engine)?;
     let mesh_folders = mesh_folders(&args.meshes);
     let names = match &args.scenes {
@@ -47,7 +48,11 @@ fn plan(args: &PaperArgs, figure: &mut Figure) -> anyhow::Result<RunPlan> {
     };
     let round = |rays, methods: &[Method]| -> anyhow::Result<Round> {
         let contestants = contestants(methods, &KnobLists::default())?;
-        Ok(Round { rays, contestants })
+        Ok(Round {
+            film,
+            rays,
+            contestants,
+        })
     };
     let (mut scenes, mut warnings) = (Vec::new(), Vec::new());
     for name in names {
@@ -74,12 +79,12 @@ fn plan(args: &PaperArgs, figure: &mut Figure) -> anyhow::Result<RunPlan> {
     check_writable(&args.out).context("--out")?;
     Ok(RunPlan {
         scenes,
-        films: vec![film(args.resolution, Spp(1))?],
         repeats: args.repeats,
         engine,
         mesh_folders,
         out: args.out.clone(),
         resume: args.resume,
+        sweep: None,
         warnings,
     })
 }

@@ -36,14 +36,14 @@ impl BatchKey {
 
     /// Whether a cell is one of this batch.
     pub fn has(&self, cell: &CellKey) -> bool {
-        let of_cell = BatchKey {
-            scene: cell.scene.clone(),
-            camera: cell.camera.clone(),
-            resolution: cell.resolution,
-            spp: cell.spp,
-            rays: cell.rays.clone(),
-        };
-        *self == of_cell
+        let BatchKey {
+            scene,
+            camera,
+            resolution,
+            spp,
+            rays,
+        } = self;
+        (&**scene, &**camera, *resolution, *spp, &**rays) == cell.batch()
     }
 }
 

@@ -6,28 +6,29 @@ mod contest;
 mod findings;
 mod progress;
 mod reference;
-mod report;
+mod time_to_go;
 
-use super::Verdict;
 use super::args::RunArgs;
 use super::engine::{Engine, Workspaces};
 use super::plan::{Round, RunPlan, SceneJob};
 use super::source::View;
+use super::table::Report;
+use super::text::print;
+use super::{Verdict, command_line};
 use answers::Answers;
-use anyhow::Context;
+use anyhow::ensure;
 use cells::enter_times;
 use contest::{Entrant, contest};
 use dacrt::scene::Scene;
-use dacrt::workloads::{Film, RayType, Workload};
+use dacrt::workloads::{Film, Workload};
 use dacrt::{Batch, Method, Parameters, SpaceParameters, Tracer};
 use dacrt_validate::diff::Checker;
 use dacrt_validate::embree::{Device, Query};
 use dacrt_validate::hash::{hit_hash, ray_hash};
 use dacrt_validate::judge::Judge;
 use dacrt_validate::machine::{Machine, Software};
-use dacrt_validate::results::{Cell, Document, SCHEMA};
+use dacrt_validate::results::{Cell, CellKey, Document, SCHEMA};
 use reference::Reference;
-use report::Report;
 
 pub use cells::BatchKey;
 pub use findings::Findings;
@@ -36,19 +37,31 @@ pub use progress::Progress;
 /// Does the whole job; a finding is a wrong hit.
 pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {
     let plan = RunPlan::new(args)?;
-    let progress = Progress::new(plan.groups());
+    let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
-    let mut report = Report::new(&plan, &progress);
-    let findings = execute(&plan, &progress, &mut |key, round, cells| {
-        report.section(key, round, cells)
+    let first = plan.rounds().next().map(|round| round.film);
+    let mut report = Report::new(plan.rounds().any(|round| Some(round.film) != first));
+    let findings = execute(&plan, &progress, &mut |_, round, cells, _| {
+        let labels: Vec<String> = round.contestants.iter().map(|c| c.label.clone()).collect();
+        progress.print(&report.section(cells, &labels))
     })?;
     progress.finish();
-    report.end(&findings)?;
+    let results = format!("\nresults: {}\n", plan.out.display());
+    print(&(report.end() + &results + findings.text()))?;
     Ok(findings.verdict())
 }
 
+/// Where the cells of a batch come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// They stood in the result file.
+    Resumed,
+    /// They are new.
+    Measured,
+}
+
 /// Is given each batch as soon as it is finished: its round, and a cell for each contestant.
-pub type Listener<'a> = dyn FnMut(&BatchKey, &Round, &[Cell]) -> anyhow::Result<()> + 'a;
+pub type Listener<'a> = dyn FnMut(&BatchKey, &Round, &[Cell], Origin) -> anyhow::Result<()> + 'a;
 
 /// Measures and checks all batches of the plan and writes the result file after each.
 pub fn execute(
@@ -59,26 +72,30 @@ pub fn execute(
     let device = Device::new(1)?;
     let mut document = new_document(plan, &device);
     if plan.resume {
-        document.resume(&plan.out).context("--resume")?;
+        document.resume(&plan.out)?;
+    }
+    if plan.sweep.is_some() {
+        only_of_this_sweep(&document, plan)?;
     }
     let mut findings = Findings::default();
-    let mut finish = |key: &BatchKey, round: &Round, cells: &[Cell]| {
+    let mut finish = |key: &BatchKey, round: &Round, cells: &[Cell], origin| {
         findings.add(key, cells, progress);
-        progress.advance();
-        listener(key, round, cells)
+        match origin {
+            Origin::Resumed => progress.skip(round.work()),
+            Origin::Measured => progress.advance(round.work()),
+        }
+        listener(key, round, cells, origin)
     };
     for job in &plan.scenes {
         let mut missing = Vec::new();
-        for &film in &plan.films {
-            for round in &job.rounds {
-                let key = batch_key(job, film, round.rays);
-                let finished: Option<Vec<Cell>> = (round.contestants.iter())
-                    .map(|c| document.finished(&key.cell(c)).cloned())
-                    .collect();
-                match finished {
-                    Some(cells) => finish(&key, round, &cells)?,
-                    None => missing.push((film, round, key)),
-                }
+        for round in &job.rounds {
+            let key = batch_key(job, round);
+            let finished: Option<Vec<Cell>> = (round.contestants.iter())
+                .map(|c| document.finished(&key.cell(c)).cloned())
+                .collect();
+            match finished {
+                Some(cells) => finish(&key, round, &cells, Origin::Resumed)?,
+                None => missing.push((round, key)),
             }
         }
         if missing.is_empty() {
@@ -94,19 +111,54 @@ pub fn execute(
             plan,
             progress,
         };
-        for by_film in missing.chunk_by(|a, b| a.0 == b.0) {
-            let mut workload = bench.workload(by_film[0].0)?;
-            for (_, round, key) in by_film {
+        for by_film in missing.chunk_by(|a, b| a.0.film == b.0.film) {
+            let mut workload = bench.workload(by_film[0].0.film)?;
+            for (round, key) in by_film {
                 let cells = bench.batch(&mut workload, round, key)?;
                 // What there is of this batch is not of this run.
                 document.cells.retain(|cell| !key.has(&cell.key));
                 document.cells.extend(cells.iter().cloned());
                 document.write(&plan.out)?;
-                finish(key, round, &cells)?;
+                finish(key, round, &cells, Origin::Measured)?;
             }
         }
     }
     Ok(findings)
+}
+
+/// A sweep ends with its own cells and no others, all measured alike.
+fn only_of_this_sweep(document: &Document, plan: &RunPlan) -> anyhow::Result<()> {
+    let planned: Vec<CellKey> = (plan.scenes.iter())
+        .flat_map(|job| job.rounds.iter().map(move |round| (job, round)))
+        .flat_map(|(job, round)| {
+            let batch = batch_key(job, round);
+            round.contestants.iter().map(move |c| batch.cell(c))
+        })
+        .collect();
+    let path = plan.out.display();
+    for cell in &document.cells {
+        let CellKey {
+            scene,
+            rays,
+            method,
+            ..
+        } = &cell.key;
+        ensure!(
+            planned.iter().any(|key| key.is(&cell.key)),
+            "{path}: has a cell that is not of this sweep ({scene} {rays} {method}); \
+             give another --out"
+        );
+        let repeats = cell
+            .samples_ms
+            .as_ref()
+            .map_or(plan.repeats as usize, Vec::len);
+        ensure!(
+            repeats == plan.repeats as usize,
+            "{path}: has cells of {repeats} repeats, here it is {}; give another --out",
+            plan.repeats
+        );
+    }
+    Ok(())
 }
 
 fn new_document(plan: &RunPlan, device: &Device) -> Document {
@@ -116,21 +168,22 @@ fn new_document(plan: &RunPlan, device: &Device) -> Document {
         software: Software::this(Some(device.info().into())),
         seed: plan.engine.seed,
         threads: 1,
-        // Without the folders before the program's name.
-        command: std::iter::once("dacrt".to_owned())
-            .chain(std::env::args().skip(1))
-            .collect(),
+        command: command_line(),
+        sweep: plan.sweep.clone(),
+        pieces: Vec::new(),
         cells: Vec::new(),
     }
 }
 
-fn batch_key(job: &SceneJob, film: Film, ray_type: RayType) -> BatchKey {
+/// What the cells of a round have in common.
+pub fn batch_key(job: &SceneJob, round: &Round) -> BatchKey {
+    let Round { film, rays, .. } = round;
     BatchKey {
         scene: job.source.name(),
         camera: job.view.camera_name.clone(),
         resolution: [film.width(), film.height()],
         spp: film.spp(),
-        rays: ray_type.to_string(),
+        rays: rays.to_string(),
     }
 }
 

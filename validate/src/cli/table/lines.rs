@@ -1,7 +1,7 @@
 //! The table that `run` prints: a section for each scene and ray type as soon as it is measured,
 //! geometric means at the end. 100 columns at most.
 
-use super::text::thousands;
+use crate::cli::text::thousands;
 use dacrt_validate::results::Cell;
 use dacrt_validate::statistics::{Ratio, geometric_mean};
 

@@ -1,0 +1,52 @@
+//! `dacrt table`: a result file for people, or as CSV.
+
+mod csv;
+mod lines;
+pub mod over;
+mod report;
+
+pub use report::Report;
+
+use super::Verdict;
+use super::args::TableArgs;
+use super::text::print;
+use anyhow::{Context, ensure};
+use dacrt_validate::results::{Cell, Document};
+
+/// Prints what was asked for.
+pub fn table(args: &TableArgs) -> anyhow::Result<Verdict> {
+    let document = Document::read(&args.file)?;
+    let path = args.file.display();
+    ensure!(!document.cells.is_empty(), "{path}: has no cells");
+    let text = match &args.over {
+        Some(name) => over::one(&document, name)
+            .with_context(|| format!("{path}: --over {name}: {}", nothing_over(&document)))?,
+        None if args.csv => csv::text(&document)?,
+        None => whole(&document),
+    };
+    print(&text)?;
+    Ok(Verdict::Good)
+}
+
+/// The table that `run` printed.
+fn whole(document: &Document) -> String {
+    let cells = &document.cells;
+    let size = |cell: &Cell| (cell.key.resolution, cell.key.spp);
+    let mut report = Report::new(cells.iter().any(|c| size(c) != size(&cells[0])));
+    let mut text = String::new();
+    for batch in cells.chunk_by(|a, b| a.key.batch() == b.key.batch()) {
+        let labels: Vec<String> = batch.iter().map(|cell| document.label(cell)).collect();
+        text += &report.section(batch, &labels);
+    }
+    text + &report.end()
+}
+
+fn nothing_over(document: &Document) -> String {
+    let varied = document.varied().join(", ");
+    match varied.is_empty() {
+        true => {
+            "cells of one method differ in no parameter; `--over method` compares methods".into()
+        }
+        false => format!("cells of one method do not differ in it; they do in {varied}"),
+    }
+}
