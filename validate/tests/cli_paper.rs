@@ -107,6 +107,22 @@ fn figure_8_is_measured_and_printed() {
     // Nothing is measured twice, and the figure is the same.
     let again = folder.dacrt(&format!("{PAPER} --resume")).exits(0).stdout();
     assert_eq!(again, text);
+    let file = &text[text.find("results: ").unwrap() + 9..].trim_end();
+    let from = folder.dacrt(&format!("paper mora2011 --from {file}"));
+    assert_eq!(
+        from.exits(0).stdout(),
+        text.replace(&format!("\nresults: {file}\n"), "")
+    );
+}
+
+#[test]
+fn a_result_without_the_cells_of_the_figure_is_refused() {
+    let folder = Folder::new();
+    let run = "run --scenes ./tiny.json --rays primary --resolution 8 --repeats 1 --out out.json";
+    folder.dacrt(run).exits(0);
+    folder
+        .dacrt("paper mora2011 --from out.json")
+        .refuses(&["out.json", "shadow-point rays"]);
 }
 
 #[test]

@@ -316,7 +316,8 @@ same kind. Scenes whose mesh is not found are left out unless --scenes names the
 
 Examples:
   dacrt paper mora2011
-  dacrt paper mora2011 --scenes hall --resolution 320x200        needs no mesh file")]
+  dacrt paper mora2011 --scenes hall --resolution 320x200        needs no mesh file
+  dacrt paper mora2011 --from results/2026-11-22-zen5-mora-fig8.json.gz")]
 pub struct PaperArgs {
     /// Which paper
     #[arg(value_enum)]
@@ -341,6 +342,9 @@ pub struct PaperArgs {
         value_parser = whole(1..=1000u32)
     )]
     pub repeats: u32,
+    /// Measure nothing: print the table of this result file
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "resume"])]
+    pub from: Option<PathBuf>,
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-paper.json")]
     pub out: PathBuf,

@@ -1,10 +1,8 @@
 //! Fig. 8 of Mora 2011: tests and times with and without conic packets, for primary rays and with
 //! one light.
 
-use crate::cli::run::BatchKey;
 use crate::cli::text::columns;
-use dacrt::workloads::Film;
-use dacrt_validate::results::Cell;
+use dacrt_validate::results::{Cell, CellKey, Document};
 use dacrt_validate::statistics::{Ratio, paired_ratio};
 
 /// Least and greatest value over the four scenes of the printed figure: Erw6 (806 triangles),
@@ -138,18 +136,47 @@ impl Work {
 }
 
 impl Figure {
-    /// Takes the cells of a batch in.
-    pub fn take(&mut self, key: &BatchKey, cells: &[Cell]) {
-        for scene in self.scenes.iter_mut().filter(|s| s.name == key.scene) {
-            match key.rays.as_str() {
-                "primary" => scene.primary = cells.to_vec(),
-                _ => scene.light = cells.to_vec(),
+    /// The figure of a result file, which may have other cells, too; those of the first size count.
+    pub fn of(document: &Document) -> Figure {
+        let mut figure = Figure::default();
+        for cell in &document.cells {
+            let key = &cell.key;
+            if key.resolution != document.cells[0].key.resolution {
+                continue;
+            }
+            if !figure.scenes.iter().any(|scene| scene.name == key.scene) {
+                figure.scenes.push(Scene::new(key.scene.clone()));
+            }
+            figure.take(cell);
+        }
+        figure
+    }
+
+    /// Takes a cell in, if it is one of the figure and of its scenes.
+    pub fn take(&mut self, cell: &Cell) {
+        let CellKey {
+            scene,
+            rays,
+            method,
+            ..
+        } = &cell.key;
+        for scene in self.scenes.iter_mut().filter(|s| s.name == *scene) {
+            match (rays.as_str(), method.as_str()) {
+                ("primary", "mora2011" | "mora2011-cones") => scene.primary.push(cell.clone()),
+                ("shadow-point", "mora2011-cones") => scene.light.push(cell.clone()),
+                _ => {}
             }
         }
     }
 
+    /// Whether a scene has all of its cells.
+    pub fn is_empty(&self) -> bool {
+        let whole = |s: &Scene| s.primary.len() == 2 && s.light.len() == 1;
+        !self.scenes.iter().any(whole)
+    }
+
     /// The figure for people, 100 columns at most.
-    pub fn text(&self, film: Film) -> String {
+    pub fn text(&self, [width, height]: [u32; 2]) -> String {
         let row = |cells: &[&str]| cells.iter().map(|s| s.to_string()).collect::<Vec<_>>();
         let mut work = vec![row(&[
             "scene", "rays", "fps", "ray/box", "cone/box", "tri./box", "ray/tri.", "nodes",
@@ -176,7 +203,7 @@ impl Figure {
             };
             let time = (basic.samples_ms.as_ref().zip(cones.samples_ms.as_ref()))
                 .and_then(|(basic, cones)| paired_ratio(basic, cones));
-            let triangles = basic.triangles as f64 / pixels(film);
+            let triangles = basic.triangles as f64 / (f64::from(width) * f64::from(height));
             let rays = basic.ray_count as f64;
             let (basic, cones, light) = (Work::of(basic), Work::of(cones), Work::of(light));
             let lines = [
@@ -217,8 +244,8 @@ impl Figure {
         ]));
         format!(
             "Fig. 8: rays in conic packets; {} x {} pixels (Mora 2011: 1280 x 800)\n\n{}\n{}{NOTES}",
-            film.width(),
-            film.height(),
+            width,
+            height,
             columns(&work, &[2, 3, 4, 5, 6, 7]),
             columns(&cuts, &[1, 2, 3, 4]),
         )
@@ -232,10 +259,6 @@ fps: 1000 over the milliseconds of our traces, one thread, no shading; Mora's, o
 over four scenes (triangles a pixel: over the three with a name), not targets: the cameras are
 unpublished, Conference is another version (282,000 triangles), the other scenes are not at hand.
 ";
-
-fn pixels(film: Film) -> f64 {
-    f64::from(film.width()) * f64::from(film.height())
-}
 
 fn interval(r: Ratio) -> String {
     let [low, high] = r.interval;

@@ -13,7 +13,9 @@ use super::text::print;
 use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt::workloads::{Film, RayType};
+use dacrt_validate::results::Document;
 use fig8::{Figure, Scene};
+use std::path::Path;
 
 /// Interiors and a scan whose meshes are at hand; of Mora's own scenes only Conference is, in
 /// another version.
@@ -22,19 +24,36 @@ const SCENES: [&str; 4] = ["sibenik", "conference", "sponza", "bunny"];
 /// Measures through the same path as `run` and prints the paper's table.
 pub fn paper(args: &PaperArgs) -> anyhow::Result<Verdict> {
     let Paper::Mora2011 = args.paper;
+    if let Some(path) = &args.from {
+        return print_from(path);
+    }
     let mut figure = Figure::default();
     let film = film(args.resolution, Spp(1))?;
     let plan = plan(args, film, &mut figure)?;
     let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
-    let findings = run::execute(&plan, &progress, &mut |key, _, cells, _| {
-        figure.take(key, cells);
+    let findings = run::execute(&plan, &progress, &mut |_, _, cells, _| {
+        cells.iter().for_each(|cell| figure.take(cell));
         Ok(())
     })?;
     progress.finish();
     let results = format!("\nresults: {}\n", plan.out.display());
-    print(&(figure.text(film) + &results + findings.text()))?;
+    print(&(figure.text([film.width(), film.height()]) + &results + findings.text()))?;
     Ok(findings.verdict())
+}
+
+/// Prints the table of a result file.
+fn print_from(path: &Path) -> anyhow::Result<Verdict> {
+    let document = Document::read(path)?;
+    let figure = Figure::of(&document);
+    ensure!(
+        !figure.is_empty(),
+        "{}: has no scene with primary rays by mora2011 and mora2011-cones, and shadow-point rays \
+         by mora2011-cones",
+        path.display()
+    );
+    print(&figure.text(document.cells[0].key.resolution))?;
+    Ok(Verdict::Good)
 }
 
 /// The batches that the three columns of Fig. 8 are made of. `figure` gets the scenes, those without
