@@ -12,4 +12,5 @@ pub mod machine;
 pub mod measure;
 pub mod npy;
 pub mod results;
+pub mod schema;
 pub mod statistics;

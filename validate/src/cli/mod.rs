@@ -12,6 +12,7 @@ mod plan;
 mod render;
 mod run;
 mod scenes;
+mod schema;
 mod shade;
 mod size;
 mod source;
@@ -42,6 +43,7 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::bench(&args),
         Command::Render(args) => render::render(&args),
         Command::Scenes(args) => scenes::scenes(&args),
+        Command::Schema(args) => schema::schema(&args),
         Command::Trace(args) => trace::trace(&args),
         Command::Env(args) => env::env(&args),
     };
