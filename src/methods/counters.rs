@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Tests count rays and triangles, not vectors. `ray_box` leaves the sample rays out and
 /// `sample_box` has them: a comparison without them flatters sampling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Counters {
     /// Subproblems, leaves included.

@@ -18,14 +18,18 @@
 //! | `meshes` | at least one; their triangles are numbered one mesh after the other. Either `{ "file": NAME }`, an OBJ or PLY file, plain or gzip, looked for beside the JSON and then in the mesh folders; or `{ "generator": NAME, "triangles": N, "seed": N }` |
 //! | `cameras` | at least one, each with a name of its own; the first is the default. `fov_degrees` is the vertical field of view, more than 0 and less than 180; `up` need not be at right angles to the view, nor of length 1 |
 //! | `lights` | may be left out. A light has a `type`: `point`, with a `position`; `shadow-point` rays need one |
-//! | `rays` | the ray types that the scene is for: names of [`RAY_TYPES`] |
+//! | `rays` | the ray types that the scene is for, at least one: names of [`RAY_TYPES`] |
+//! | `$schema` | for editors, which then complete and check the file: `"./scene.schema.json"`, the JSON Schema of this format; not read here, and may be left out |
 //!
 //! Coordinates are in the units of the meshes and smaller in size than 1.844e18. An unknown key is
 //! an error.
 
+use super::loaders::MOST_TRIANGLES;
 use super::nearest::no_such;
 use super::{SceneError, generators};
 use crate::geometry::COORDINATE_LIMIT;
+#[cfg(feature = "schema")]
+use crate::workloads::FOV_LIMIT;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -50,6 +54,15 @@ pub const RAY_TYPES: [&str; 15] = [
 
 /// The content of a scene's JSON file; see the [module](self) for the format.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(
+        with = "Keys",
+        title = "Scene description",
+        description = "A scene for divide-and-conquer ray tracing: meshes, cameras and lights."
+    )
+)]
 pub struct Description {
     /// One line for lists of scenes; may be empty.
     pub about: String,
@@ -65,14 +78,22 @@ pub struct Description {
 
 /// Where the triangles of a mesh come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename_all = "kebab-case", deny_unknown_fields)
+)]
 pub enum MeshSource {
     /// A mesh file, found by [`locate`](super::locate).
-    File(PathBuf),
+    File(#[cfg_attr(feature = "schema", schemars(length(min = 1)))] PathBuf),
     /// A generator of this program.
+    #[cfg_attr(feature = "schema", schemars(untagged))]
     Generator {
         /// One of [`generators::NAMES`].
+        #[cfg_attr(feature = "schema", schemars(rename = "generator", extend("enum" = generators::NAMES)))]
         name: String,
         /// About how many triangles to make; more than 0.
+        #[cfg_attr(feature = "schema", schemars(range(min = 1, max = MOST_TRIANGLES)))]
         triangles: usize,
         /// Of the random choices.
         seed: u64,
@@ -81,42 +102,68 @@ pub enum MeshSource {
 
 /// A pinhole camera.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Unique in its scene.
+    #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
     pub name: String,
     /// Where the rays start.
+    #[cfg_attr(feature = "schema", schemars(extend("items" = coordinate())))]
     pub eye: [f64; 3],
     /// A point in the middle of the picture; not the eye.
+    #[cfg_attr(feature = "schema", schemars(extend("items" = coordinate())))]
     pub look_at: [f64; 3],
     /// Points to the upper edge of the picture; of any length but 0, not parallel to the view.
+    #[cfg_attr(feature = "schema", schemars(extend("items" = coordinate())))]
     pub up: [f64; 3],
     /// Vertical field of view, in degrees: more than 0 and less than 180.
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = FOV_LIMIT)))]
     pub fov_degrees: f64,
 }
 
 /// A light.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Light {
     /// Shines from a point to all sides.
     Point {
         /// The point.
+        #[cfg_attr(feature = "schema", schemars(extend("items" = coordinate())))]
         position: [f64; 3],
     },
 }
 
 /// The keys of the file as they stand in it.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Keys {
+    /// One line for lists of scenes.
     #[serde(default)]
     about: String,
+    /// Triangles are numbered one mesh after the other.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<MeshSource>", length(min = 1))
+    )]
     meshes: Vec<MeshKeys>,
+    /// The first is the default.
+    #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
     cameras: Vec<Camera>,
+    /// What shines; `shadow-point` rays need a point light.
     #[serde(default)]
     lights: Vec<Light>,
+    /// The ray types that the scene is for.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(length(min = 1), extend("items" = { "type": "string", "enum": RAY_TYPES }))
+    )]
     rays: Vec<String>,
+    /// The JSON Schema of this file, for editors.
+    #[serde(rename = "$schema", default)]
+    _schema: String,
 }
 
 /// The keys of a mesh: those of one kind or those of the other.
@@ -243,7 +290,7 @@ impl MeshSource {
                 Err(("generator", no_such("generator", name, &generators::NAMES)))
             }
             MeshSource::Generator { triangles, .. } => {
-                let most = super::loaders::MOST_TRIANGLES;
+                let most = MOST_TRIANGLES;
                 if (1..=most).contains(triangles) {
                     Ok(())
                 } else {
@@ -273,6 +320,13 @@ impl Camera {
         .map(|_| ())
         .map_err(|error| ("", error.to_string()))
     }
+}
+
+/// The JSON Schema of what [`check_point`] accepts.
+#[cfg(feature = "schema")]
+fn coordinate() -> serde_json::Value {
+    let limit = f64::from(COORDINATE_LIMIT);
+    serde_json::json!({ "type": "number", "exclusiveMinimum": -limit, "exclusiveMaximum": limit })
 }
 
 fn check_point(point: &[f64; 3]) -> Result<(), String> {

@@ -118,13 +118,18 @@ pub fn find(name: &str, scene_folder: &Path) -> Result<PathBuf, SceneError> {
         return Ok(PathBuf::from(name));
     }
     let json = scene_folder.join(format!("{name}.json"));
-    if json.is_file() {
+    if json.is_file() && !is_schema(&json) {
         return Ok(json);
     }
     Err(SceneError::Unknown {
         folder: scene_folder.to_owned(),
         problem: no_such("scene", name, &names(scene_folder)?),
     })
+}
+
+/// Whether it is the JSON Schema of scene descriptions, which stands beside them.
+fn is_schema(json: &Path) -> bool {
+    json.to_string_lossy().ends_with(".schema.json")
 }
 
 /// The names of the scenes in a folder, sorted.
@@ -137,6 +142,7 @@ pub fn names(scene_folder: &Path) -> Result<Vec<String>, SceneError> {
         for entry in std::fs::read_dir(scene_folder)? {
             let path = entry?.path();
             if path.extension().is_some_and(|e| e == "json")
+                && !is_schema(&path)
                 && let Some(stem) = path.file_stem()
             {
                 names.push(stem.to_string_lossy().into_owned());

@@ -139,8 +139,8 @@ fn every_ray_type_may_be_named() {
 #[rustfmt::skip]
 fn what_is_no_description_is_named_by_line() {
     for (good, bad, expected) in [
-        ("\"rays\"", "\"ray\"", "line 11: unknown field `ray`, expected one of `about`, `meshes`, `cameras`, `lights`, `rays`"),
-        ("\"rays\"", "\"r\\ny\"", "line 11: unknown field `r y`, expected one of `about`, `meshes`, `cameras`, `lights`, `rays`"),
+        ("\"rays\"", "\"ray\"", "line 11: unknown field `ray`, expected one of `about`, `meshes`, `cameras`, `lights`, `rays`, `$schema`"),
+        ("\"rays\"", "\"r\\ny\"", "line 11: unknown field `r y`, expected one of `about`, `meshes`, `cameras`, `lights`, `rays`, `$schema`"),
         ("\"eye\"", "\"eyes\"", "line 7: unknown field `eyes`, expected one of `name`, `eye`, `look_at`, `up`, `fov_degrees`"),
         ("\"position\"", "\"at\": 3, \"position\"", "line 10: unknown field `at`, expected `position`"),
         ("\"file\"", "\"fil\"", "line 3: unknown field `fil`, expected one of `file`, `generator`, `triangles`, `seed`"),

@@ -3,6 +3,9 @@
 use super::WorkloadError;
 use glam::{DVec3, Vec3};
 
+/// Vertical fields of view are more than 0 and less than this, in degrees.
+pub(crate) const FOV_LIMIT: f64 = 180.0;
+
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -34,7 +37,7 @@ impl Camera {
             }
         }
         // NaN fails the comparison.
-        if !(fov_degrees > 0.0 && fov_degrees < 180.0) {
+        if !(fov_degrees > 0.0 && fov_degrees < FOV_LIMIT) {
             return Err(WorkloadError::FieldOfView(fov_degrees));
         }
         let eye = eye.as_vec3();

@@ -11,6 +11,8 @@ mod surface;
 mod workload;
 
 pub use camera::Camera;
+#[cfg(feature = "schema")]
+pub(crate) use camera::FOV_LIMIT;
 pub use film::{Film, TILE};
 pub use ray_type::{MAX_BOUNCES, RayType};
 pub use workload::{Rays, Workload};

@@ -9,6 +9,7 @@ use crate::bounds::{Kernel, UNIT};
 use crate::judge::{Answer, Answers, Judge, Verdict};
 use crate::npy::ray_floats;
 use dacrt::{Aabb, Batch, Mesh};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -25,7 +26,7 @@ const MOST_OFFENDERS: usize = 100;
 const FAR: f64 = 1e6;
 
 /// What the validation of a cell found; `diff` of a result file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Diff {
     /// Against Embree's default mode.
     pub embree_fast: ReferenceDiff,
@@ -48,7 +49,7 @@ pub struct Diff {
 }
 
 /// Ours against one reference. Rays that differ are neither `same` nor `tie`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceDiff {
     /// Same triangle and t apart by no more than our bound and the reference's, or no hit in both.
     /// Any hit: both occluded, or both free.
@@ -77,7 +78,7 @@ pub struct ReferenceDiff {
 }
 
 /// A ray with a wrong answer, ready to be traced again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Offender {
     /// Number in the batch.
     pub index: u32,
@@ -96,9 +97,13 @@ pub struct Offender {
 }
 
 /// A float32 that JSON can hold, whatever it is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
-pub struct Number(#[serde(with = "crate::json_float")] pub f32);
+pub struct Number(
+    #[serde(with = "crate::json_float")]
+    #[schemars(schema_with = "crate::json_float::json_schema")]
+    pub f32,
+);
 
 impl Diff {
     /// Whether there is something wrong that a run must report by its exit code: unexplained rays,

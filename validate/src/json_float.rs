@@ -1,6 +1,7 @@
 //! float32 in JSON: numbers that read back as the same bits, and `"inf"`, `"-inf"`, `"nan"` for
 //! those that JSON has no number for. For `#[serde(with = "crate::json_float")]`.
 
+use schemars::{Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serializer, de};
 
 /// Writes a number, or a word if it is not finite.
@@ -14,6 +15,12 @@ pub fn serialize<S: Serializer>(x: &f32, serializer: S) -> Result<S::Ok, S::Erro
         x if x.is_nan() => serializer.serialize_str("nan"),
         x => serializer.serialize_f32(x),
     }
+}
+
+/// The JSON Schema of what [`serialize`] writes. For
+/// `#[schemars(schema_with = "crate::json_float::json_schema")]`.
+pub fn json_schema(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "anyOf": [{ "type": "number" }, { "enum": ["inf", "-inf", "nan"] }] })
 }
 
 /// Reads what [`serialize`] writes.

@@ -10,6 +10,7 @@ use dacrt::MISS;
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
 use glam::DVec3;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What was answered for all rays of a batch.
@@ -57,7 +58,7 @@ impl Answers<'_> {
 }
 
 /// What was answered for one ray.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     /// The nearest hit: none.
@@ -66,6 +67,7 @@ pub enum Answer {
     Hit {
         /// Distance in units of the direction's length.
         #[serde(with = "crate::json_float")]
+        #[schemars(schema_with = "crate::json_float::json_schema")]
         t: f32,
         /// Number of the triangle.
         prim: u32,
@@ -77,7 +79,7 @@ pub enum Answer {
 }
 
 /// What the judge says of one answer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Right, whatever float32 rounds within the bounds.
@@ -99,7 +101,7 @@ impl Verdict {
 }
 
 /// Why an answer is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Wrong {
     /// Neither a hit nor a miss: no such triangle, or one that is invalid or has no area.

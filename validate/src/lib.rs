@@ -13,5 +13,6 @@ pub mod measure;
 pub mod merge;
 pub mod npy;
 pub mod results;
+pub mod schema;
 pub mod statistics;
 pub mod sweep;

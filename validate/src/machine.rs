@@ -1,10 +1,11 @@
 //! What a result must say about where it comes from.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 
 /// Where a run took place.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Machine {
     /// Model of the processor.
     pub cpu: String,
@@ -47,7 +48,7 @@ impl Machine {
 ///
 /// Commit and state are those at build time (`build/version.rs`): they say which source is in the
 /// binary, while the folder it came from may have moved on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Software {
     /// Git commit; `None` if it was not built from a checkout.
     pub commit: Option<String>,
@@ -60,7 +61,7 @@ pub struct Software {
 }
 
 /// Which Embree answered.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Embree {
     /// For instance `4.4.0`.
     pub version: String,

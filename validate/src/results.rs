@@ -3,6 +3,7 @@
 use crate::diff::Diff;
 use crate::machine::{Machine, Software};
 use crate::sweep::SweepRun;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -13,10 +14,12 @@ use std::path::{Path, PathBuf};
 /// The version of the document that this program writes and reads.
 pub const SCHEMA: u32 = 1;
 
-/// One run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// One run of divide-and-conquer ray tracing, checked against Embree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "Results")]
 pub struct Document {
-    /// [`SCHEMA`].
+    /// The version of this format.
+    #[schemars(extend("const" = SCHEMA))]
     pub schema: u32,
     /// Where it ran.
     pub machine: Machine,
@@ -40,7 +43,7 @@ pub struct Document {
 }
 
 /// One of the files that were merged.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Piece {
     /// Where it ran.
     pub machine: Machine,
@@ -53,7 +56,7 @@ pub struct Piece {
 /// One scene × camera × size × ray type × method × parameters.
 ///
 /// Times are `None` unless the validation of the same hits passed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cell {
     /// Which cell this is.
     #[serde(flatten)]
@@ -66,7 +69,9 @@ pub struct Cell {
     pub ray_count: usize,
     /// Rays that miss because they are invalid.
     pub invalid_rays: u64,
-    /// See [`crate::hash::ray_hash`].
+    /// SHA-256 of the eight little-endian float32 of each ray, in order; see
+    /// [`crate::hash::ray_hash`].
+    #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
     pub ray_hash: String,
     /// Whether rays stop at any hit.
     pub any_hit: bool,
@@ -82,13 +87,16 @@ pub struct Cell {
     pub acceleration_ratio: Option<f64>,
     /// Its 95 % bootstrap interval.
     pub acceleration_interval: Option<[f64; 2]>,
-    /// A flat object of integers.
+    /// What the trace did, in logical tests; the same on every instruction set.
+    #[schemars(schema_with = "crate::schema::counters")]
     pub counters: Map<String, Value>,
     /// Size of the workspace.
     pub workspace_bytes: usize,
     /// Rays that hit something.
     pub hits: usize,
-    /// See [`crate::hash::hit_hash`].
+    /// SHA-256 of t (little-endian float32), then prim (uint32), in ray order; of any-hit rays, of
+    /// the bytes that say whether each is occluded. See [`crate::hash::hit_hash`].
+    #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
     pub hit_hash: String,
     /// Validation.
     pub diff: Diff,
@@ -115,7 +123,7 @@ impl Cell {
 }
 
 /// What names a cell: equal keys, same rays and same work.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CellKey {
     /// Name of the scene.
     pub scene: String,
@@ -132,6 +140,7 @@ pub struct CellKey {
     /// Name of the precision.
     pub precision: String,
     /// All parameters of the method; of Mora's also the `variant` that was taken.
+    #[schemars(schema_with = "crate::schema::parameters")]
     pub parameters: Map<String, Value>,
 }
 
@@ -154,7 +163,7 @@ impl CellKey {
 }
 
 /// Embree on the rays of a cell. Keys: of `build_ms` the quality; of the traces quality and query.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EmbreeTimes {
     /// Least of median build + median trace.
     pub best_ms: f64,

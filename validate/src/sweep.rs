@@ -13,6 +13,7 @@
 //!
 //! | key | meaning |
 //! |---|---|
+//! | `$schema` | for editors: where `results/sweep.schema.json` is; not read here, and may be left out |
 //! | `about` | one line for people; may be left out |
 //! | `scenes` | names, or paths of scene descriptions |
 //! | `resolution` | pixels: a number for a square, or `[width, height]` |
@@ -24,46 +25,60 @@
 //! Every list has at least one entry. An unknown key is an error. How it is measured (repeats, seed,
 //! instruction set) is said on the command line, not here.
 
+use crate::schema::parameter_kinds;
+use dacrt::Method;
+use dacrt::workloads::RayType;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// The content of a sweep file; see the [module](self) for the format.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// What to measure: each combination of the entries of these lists.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "Sweep")]
 pub struct Sweep {
+    /// Where the JSON Schema of this format is, for editors; nothing else looks at it.
+    #[serde(rename = "$schema", default, skip_serializing)]
+    pub schema: Option<String>,
     /// One line for people.
     #[serde(default)]
     pub about: String,
     /// Names, or paths of scene descriptions.
+    #[schemars(length(min = 1))]
     pub scenes: Vec<String>,
     /// Sizes of the picture in pixels.
+    #[schemars(length(min = 1))]
     pub resolution: Vec<Size>,
     /// Samples a pixel.
     #[serde(default = "one_sample")]
+    #[schemars(length(min = 1), inner(range(min = 1)))]
     pub spp: Vec<u32>,
     /// Ray types.
+    #[schemars(length(min = 1), extend("items" = names(RayType::ALL.map(|r| r.to_string()))))]
     pub rays: Vec<String>,
     /// Methods.
+    #[schemars(length(min = 1), extend("items" = names(Method::ALL.map(|m| m.to_string()))))]
     pub methods: Vec<String>,
     /// Values of method parameters, by the names that they have in result files.
     #[serde(default)]
+    #[schemars(schema_with = "parameter_lists")]
     pub parameters: BTreeMap<String, Vec<Value>>,
 }
 
 /// A size of a picture in pixels, each side at least 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected a number of pixels or [width, height], such as 512 or [640, 480]"
 )]
 pub enum Size {
     /// As wide as high.
-    Square(u32),
+    Square(#[schemars(range(min = 1))] u32),
     /// Width and height.
-    Sides([u32; 2]),
+    Sides(#[schemars(inner(range(min = 1)))] [u32; 2]),
 }
 
 impl Size {
@@ -76,12 +91,32 @@ impl Size {
     }
 }
 
+/// The schema of one of these names.
+fn names(names: impl Serialize) -> Value {
+    json!({ "type": "string", "enum": names })
+}
+
+/// The schema of lists of values of the parameters that there are.
+fn parameter_lists(generator: &mut SchemaGenerator) -> Schema {
+    let mut lists = Map::new();
+    for (name, kind) in parameter_kinds(generator) {
+        // The method decides it.
+        if name != "variant" {
+            lists.insert(
+                name,
+                json!({ "type": "array", "minItems": 1, "items": kind }),
+            );
+        }
+    }
+    json_schema!({ "type": "object", "properties": lists, "additionalProperties": false })
+}
+
 fn one_sample() -> Vec<u32> {
     vec![1]
 }
 
 /// Says in a result file which sweep it is of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SweepRun {
     /// What was to be measured.
     pub file: Sweep,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Which cost function chooses among the candidates of a node with many rays a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Cost {
     /// Surface area heuristic (Nabata 2013, eq. 1).
@@ -16,6 +17,7 @@ pub enum Cost {
 
 /// Who decides which child goes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Order {
     /// The first active ray (Nabata 2013, section 4.3, of Áfra 2012).
@@ -26,6 +28,7 @@ pub enum Order {
 
 /// How the one ray decides. The papers do not say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OneRay {
     /// By the sign of its direction on the axis of the split.
@@ -39,6 +42,7 @@ pub enum OneRay {
 /// It matters more than anything else here: on Crytek Sponza (1024², primary) the baseline takes 387
 /// million ray/box tests with [`Axes::Longest`], 109 with [`Axes::Centers`], 107 with [`Axes::All`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
     /// The longest of the node's box.
@@ -52,6 +56,7 @@ pub enum Axes {
 
 /// How sample rays are drawn. The paper says "randomly".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Draws {
     /// One from each of as many equal parts of the list as there are samples: without replacement.
@@ -62,6 +67,7 @@ pub enum Draws {
 
 /// Parameters of ray sampling (Nabata 2013) and of its baseline. As JSON, the names of the fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ObjectParameters {
     /// A node with no more triangles than this is a leaf. "Small" in Algorithm 1; 8 is ours.

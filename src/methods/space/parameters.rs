@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// How rays go through the cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Variant {
     /// Rays of one origin, cells front to back, early termination (Mora 2011, section 3.2).
@@ -18,6 +19,7 @@ pub enum Variant {
 
 /// Parameters of Mora 2011. As JSON, the names of the fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SpaceParameters {
     /// Which variant a batch with a shared origin is traced by. Any other batch takes

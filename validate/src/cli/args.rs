@@ -4,7 +4,9 @@
 use super::knobs::KnobLists;
 use super::shard::Shard;
 use super::size::{Resolution, Spp};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use dacrt_validate::schema::KINDS;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -59,6 +61,8 @@ pub enum Command {
     Render(RenderArgs),
     /// List the scenes and where their meshes are
     Scenes(ScenesArgs),
+    /// Print the JSON Schema of result files or scene descriptions
+    Schema(SchemaArgs),
     /// Show the machine, the instruction sets, Embree and the mesh folders
     Env(EnvArgs),
 }
@@ -547,6 +551,13 @@ pub struct ScenesArgs {
     pub load: bool,
     #[command(flatten)]
     pub meshes: MeshArgs,
+}
+
+#[derive(Args)]
+pub struct SchemaArgs {
+    /// Which files
+    #[arg(value_parser = PossibleValuesParser::new(KINDS.map(|kind| kind.name)))]
+    pub kind: String,
 }
 
 #[derive(Args)]

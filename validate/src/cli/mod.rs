@@ -13,6 +13,7 @@ mod plan;
 mod render;
 mod run;
 mod scenes;
+mod schema;
 mod shade;
 mod shard;
 mod size;
@@ -56,6 +57,7 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::bench(&args),
         Command::Render(args) => render::render(&args),
         Command::Scenes(args) => scenes::scenes(&args),
+        Command::Schema(args) => schema::schema(&args),
         Command::Trace(args) => trace::trace(&args),
         Command::Env(args) => env::env(&args),
     };
