@@ -2,6 +2,7 @@
 
 pub mod atomic;
 pub mod bounds;
+pub mod compare;
 pub mod diff;
 pub mod embree;
 pub mod hash;
@@ -12,6 +13,7 @@ pub mod machine;
 pub mod measure;
 pub mod merge;
 pub mod npy;
+pub mod parameters;
 pub mod results;
 pub mod schema;
 pub mod statistics;

@@ -40,6 +40,23 @@ pub struct Document {
     pub pieces: Vec<Piece>,
     /// What was measured.
     pub cells: Vec<Cell>,
+    /// Changes that were accepted on purpose, oldest first, where this file is a reference for
+    /// comparisons.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub accepted: Vec<Acceptance>,
+}
+
+/// Why a reference was replaced by a newer result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Acceptance {
+    /// Whoever accepted it says why.
+    pub note: String,
+    /// Commit of the reference until then.
+    pub from_commit: Option<String>,
+    /// Commit of the result that took its place.
+    pub to_commit: Option<String>,
+    /// What had changed, a line each, with the name of the cell.
+    pub findings: Vec<String>,
 }
 
 /// One of the files that were merged.
@@ -201,8 +218,25 @@ pub enum ResultError {
         /// Why.
         source: io::Error,
     },
+    /// Damaged gzip.
+    #[error(
+        "{}: is damaged: its gzip ends in error after {byte} bytes of text: {source}; make or copy \
+         it anew",
+        path.display()
+    )]
+    Gzip {
+        /// The file.
+        path: PathBuf,
+        /// How much could be unpacked.
+        byte: usize,
+        /// Why no more.
+        source: io::Error,
+    },
     /// Not JSON, or not the JSON of a result.
-    #[error("{}: is not a result file: {source}", path.display())]
+    #[error(
+        "{}: is not a result file: {source}; result files are written by `dacrt run`",
+        path.display()
+    )]
     Json {
         /// The file.
         path: PathBuf,
@@ -210,7 +244,10 @@ pub enum ResultError {
         source: serde_json::Error,
     },
     /// Written by another version of this program.
-    #[error("{}: has schema {found}, this program reads schema {SCHEMA}", path.display())]
+    #[error(
+        "{}: has schema {found}, this program reads schema {SCHEMA}; use the dacrt that wrote it",
+        path.display()
+    )]
     Schema {
         /// The file.
         path: PathBuf,
@@ -286,7 +323,11 @@ impl Document {
         let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
             flate2::bufread::MultiGzDecoder::new(&bytes[..])
                 .read_to_end(&mut text)
-                .map_err(read)?;
+                .map_err(|source| ResultError::Gzip {
+                    path: path.to_owned(),
+                    byte: text.len(),
+                    source,
+                })?;
             text
         } else {
             bytes
@@ -311,15 +352,25 @@ impl Document {
     }
 
     /// Writes the file whole or not at all: to a temporary file beside it, which is then renamed.
+    /// Gzip if the name ends in `.gz`.
     ///
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ResultError> {
+        let text = |out: &mut dyn Write| {
+            let mut out = BufWriter::new(out);
+            serde_json::to_writer_pretty(&mut out, self)?;
+            out.write_all(b"\n")?;
+            out.flush()
+        };
         crate::atomic::write(path, |file| {
-            let mut file = BufWriter::new(file);
-            serde_json::to_writer_pretty(&mut file, self)?;
-            file.write_all(b"\n")?;
-            file.flush()
+            if path.extension().is_some_and(|extension| extension == "gz") {
+                let mut gzip = flate2::write::GzEncoder::new(file, Default::default());
+                text(&mut gzip)?;
+                gzip.finish().map(drop)
+            } else {
+                text(file)
+            }
         })
         .map_err(|source| ResultError::Write {
             path: path.to_owned(),
@@ -352,6 +403,7 @@ impl Document {
             }
         }
         self.cells = earlier.cells;
+        self.accepted = earlier.accepted;
         Ok(())
     }
 

@@ -58,6 +58,45 @@ pub fn paired_ratio(numerators: &[f64], denominators: &[f64]) -> Option<Ratio> {
     })
 }
 
+/// How far single measurements stray from their medians, relative to them: a pool over contestants
+/// that took turns on one machine.
+///
+/// Three or five samples of one contestant say little about how far off their median may be: they
+/// may happen to agree. Whoever takes turns with it has the same disturbances, so the deviations of
+/// all are taken together, as logarithms of sample over median.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise(Vec<f64>);
+
+impl Noise {
+    /// The pool over the samples of each contestant; those with a single one tell nothing. `None`
+    /// if no contestant has two.
+    pub fn of<'a>(contestants: impl IntoIterator<Item = &'a [f64]>) -> Option<Noise> {
+        let mut pool = Vec::new();
+        for samples in contestants.into_iter().filter(|s| s.len() > 1) {
+            let n = samples.len() as f64;
+            // The samples are nearer to their own median than to the true one.
+            let correction = (n / (n - 1.0)).sqrt();
+            let middle = median(samples)?;
+            pool.extend(samples.iter().map(|x| correction * (x / middle).ln()));
+        }
+        (!pool.is_empty()).then_some(Noise(pool))
+    }
+
+    /// What chance may make of the median of so many samples: a factor.
+    pub fn of_median(&self, samples: usize, random: &mut fastrand::Rng) -> f64 {
+        let mut drawn: Vec<f64> = (0..samples)
+            .map(|_| self.0[random.usize(..self.0.len())])
+            .collect();
+        drawn.sort_by(f64::total_cmp);
+        let half = samples / 2;
+        match samples % 2 {
+            0 => (drawn[half - 1] + drawn[half]) / 2.0,
+            _ => drawn[half],
+        }
+        .exp()
+    }
+}
+
 /// The geometric mean of positive numbers; `None` of nothing.
 pub fn geometric_mean(values: &[f64]) -> Option<f64> {
     let logarithms: f64 = values.iter().map(|x| x.ln()).sum();
@@ -115,6 +154,27 @@ mod tests {
             })
             .count();
         assert!((270..300).contains(&covered), "{covered} of 300");
+    }
+
+    #[test]
+    fn contestants_that_happen_to_agree_share_the_noise_of_the_others() {
+        let (calm, wild) = ([1.0, 1.0, 1.0], [10.0, 20.0, 40.0]);
+        assert_eq!(Noise::of([&calm[..1], &wild[..0]]), None);
+        let of_calm = Noise::of([&calm[..]]).unwrap();
+        let noise = Noise::of([&calm[..], &wild[..], &wild[..1]]).unwrap();
+        let mut random = fastrand::Rng::with_seed(1);
+        let mut least_and_most = |noise: &Noise, samples| {
+            let draws = (0..1000).map(|_| noise.of_median(samples, &mut random));
+            draws.fold((1.0, 1.0), |(a, b): (f64, f64), x| (a.min(x), b.max(x)))
+        };
+        assert_eq!(least_and_most(&of_calm, 3), (1.0, 1.0));
+        // Twice or half the median, and half as much again in the exponent for 3 samples.
+        let (least, most) = least_and_most(&noise, 1);
+        let expected = 2f64.powf(1.5f64.sqrt());
+        approx::assert_relative_eq!(most, expected, max_relative = 1e-12);
+        approx::assert_relative_eq!(least, 1.0 / expected, max_relative = 1e-12);
+        let (least, most) = least_and_most(&noise, 21);
+        assert!(least > 0.7 && most < 1.4, "{least} {most}");
     }
 
     #[test]

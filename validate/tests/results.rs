@@ -124,6 +124,7 @@ fn document() -> Document {
         sweep: None,
         pieces: Vec::new(),
         cells: vec![cell("afra2012"), cell("nabata2013")],
+        accepted: vec![],
     }
 }
 
@@ -219,7 +220,10 @@ fn wrong_files_say_what_and_where() {
             text.replace("\"seed\"", "\"sead\"").into(),
             "missing field `seed`",
         ),
-        (vec![0x1f, 0x8b, 8, 0, 1, 2], "r.json: cannot be read"),
+        (
+            vec![0x1f, 0x8b, 8, 0, 1, 2],
+            "r.json: is damaged: its gzip ends in error after 0 bytes",
+        ),
         (vec![0xff; 50], "is not a result file"),
     ];
     for (bytes, expected) in cases {

@@ -29,6 +29,7 @@ Examples:
   dacrt bench kernels
   dacrt render hall --what shaded,boxes
   dacrt trace --mesh bunny.obj --rays rays.npy --method nabata2013 --out hits.npz
+  dacrt compare reference.json new.json
   dacrt scenes
 
 Meshes are looked for beside the scene's description and in the folders of --meshes or
@@ -55,6 +56,8 @@ pub enum Command {
     Paper(PaperArgs),
     /// Measure the inner loops one by one, beside what the machine can do at most
     Bench(BenchArgs),
+    /// Compare two result files: has anything become worse?
+    Compare(CompareArgs),
     /// Trace your own rays through your own mesh
     Trace(TraceArgs),
     /// Make pictures of a scene
@@ -407,6 +410,96 @@ pub struct BenchArgs {
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-bench.json")]
     pub out: PathBuf,
+}
+
+/// What a comparison is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompareFormat {
+    Table,
+    Markdown,
+    Json,
+    Junit,
+    Bencher,
+}
+
+/// What becomes of times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Times {
+    Judged,
+    Shown,
+}
+
+/// How much more of a counter (or of `all`) is allowed, as a share of it.
+#[derive(Clone, Debug)]
+pub struct Tolerance {
+    pub counter: String,
+    pub share: f64,
+}
+
+impl FromStr for Tolerance {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Tolerance, String> {
+        let (counter, share) = text.split_once('=').ok_or("expected NAME=SHARE")?;
+        let share = share
+            .parse()
+            .ok()
+            .filter(|x: &f64| *x >= 0.0 && x.is_finite());
+        Ok(Tolerance {
+            counter: counter.to_owned(),
+            share: share.ok_or("expected a share of 0 or more, such as 0.01 for 1 %")?,
+        })
+    }
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Both files must be about the same rays: the same seed, and in each cell the same ray_hash.
+
+A regression is
+- any change of hit_hash, or of what the validation says of our own hits (ours_wrong, both_wrong,
+  t_drift, unexplained); of its other classes if both files have the same Embree; times that are
+  gone because hits are wrong;
+- more of a counter than --tolerance allows, if both files are of one thread; more leaves,
+  skips_near, skips_far and terminated_rays is none;
+- a method that is slower, if both files have the same processor, instruction set and threads.
+  Times are compared as ratios within each file: against afra2012, against Embree's best with its
+  build and against its best trace. Slower: each of them has fallen below 1/1.1 of what it was,
+  the 99 % bootstrap interval included. Embree's count if both files have the same Embree.
+What cannot be judged is shown, and the report says why.
+
+bencher is Bencher's metric format (BMF) with the ratios and counters of the second file. A cell's
+name has scene, ray type, pixels, samples a pixel and method, and those parameters in brackets that
+tell it from others.
+
+Examples:
+  dacrt compare reference.json new.json
+  dacrt compare reference.json.gz new.json --subset --times shown --format markdown
+  dacrt compare reference.json new.json --tolerance ray_box=0.01,nodes=0.05
+  dacrt compare reference.json new.json --accept 'bins from the centres of triangles'
+
+Exit code: 0 nothing is worse, or it is accepted; 1 a regression; 2 not comparable.")]
+pub struct CompareArgs {
+    /// The reference: a result file, plain or gzip
+    pub reference: PathBuf,
+    /// The result file to judge
+    pub new: PathBuf,
+    /// Compare the cells that both files have, and list the others
+    #[arg(long)]
+    pub subset: bool,
+    /// How much more of a counter is allowed, as a share: ray_box=0.01; all=0.01 is for every counter
+    /// [default: all=0]
+    #[arg(long, value_delimiter = ',', value_name = "NAME=SHARE")]
+    pub tolerance: Vec<Tolerance>,
+    /// Whether a slower method is a regression, or only shown
+    #[arg(long, value_enum, default_value = "judged")]
+    pub times: Times,
+    /// What is written to standard output
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: CompareFormat,
+    /// Accept what has changed: the new file takes the place of the reference, with this note
+    #[arg(long, value_name = "NOTE")]
+    pub accept: Option<String>,
 }
 
 #[derive(Args)]

@@ -4,7 +4,8 @@ use anyhow::{Context, anyhow, bail, ensure};
 use clap::{Arg, ArgMatches, Command};
 use dacrt::scene::no_such;
 use dacrt::{Method, ObjectParameters, Parameters, SpaceParameters};
-use serde_json::{Map, Value};
+use dacrt_validate::parameters::fields;
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// A field of [`Parameters`], `-` for `_`, and what it means.
@@ -113,19 +114,6 @@ const KNOBS: [Knob; 29] = [
 /// The field that an option stands for.
 fn field(knob: &str) -> String {
     knob.replace('-', "_")
-}
-
-/// All parameters by the names of their fields, floats in the fewest digits that tell them apart.
-fn fields(parameters: &Parameters) -> Map<String, Value> {
-    let text = serde_json::to_string(parameters).expect("numbers, words and truth values");
-    serde_json::from_str(&text).expect("JSON that was just made")
-}
-
-/// The parameters that the method has, by the names of their fields.
-pub fn own_fields(method: Method, parameters: &Parameters) -> Map<String, Value> {
-    let mut all = fields(parameters);
-    all.retain(|name, _| method.has(name));
-    all
 }
 
 /// The parameters with another value, as typed, for one of them.
@@ -326,26 +314,10 @@ impl KnobLists {
     }
 }
 
-/// The parameters of the baseline that a cell with `parameters` is set against: the same values of
-/// the parameters that the baseline and ray sampling both have, the baseline's defaults for the
-/// rest. A cell of the baseline is itself set against the one with its own defaults.
-pub fn baseline_of(parameters: &Parameters) -> Parameters {
-    let baseline = Method::Afra2012.parameters();
-    // Mora's methods have none of its parameters.
-    let Parameters::Object(_) = parameters else {
-        return baseline;
-    };
-    let common = KNOBS
-        .iter()
-        .filter(|(name, _)| methods_with(name).eq([Method::Afra2012, Method::Nabata2013]));
-    common.fold(baseline, |baseline, (name, _)| {
-        with(&baseline, name, &value_of(parameters, name)).expect("a value that was valid before")
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::Map;
 
     fn lists(typed: &[(&'static str, &[&str])]) -> KnobLists {
         let own = |v: &[&str]| v.iter().map(|s| s.to_string()).collect();
@@ -386,42 +358,6 @@ mod tests {
     }
 
     #[test]
-    fn the_baseline_shares_what_both_have_and_nothing_else() {
-        let typed = lists(&[
-            ("bins", &["16"]),
-            ("samples", &["50"]),
-            ("sah-ratio", &["3"]),
-        ]);
-        let nabata = typed.grid(Method::Nabata2013).unwrap()[0];
-        let defaults = ObjectParameters::AFRA2012;
-        let sah_ratio = 3.0;
-        let (bins, expected) = (
-            16,
-            ObjectParameters {
-                bins: 16,
-                ..defaults
-            },
-        );
-        assert_eq!(baseline_of(&nabata), expected.into());
-        let afra = typed.grid(Method::Afra2012).unwrap()[0];
-        let own = ObjectParameters {
-            bins,
-            sah_ratio,
-            ..defaults
-        };
-        assert_eq!(afra, own.into());
-        assert_eq!(baseline_of(&afra), expected.into());
-    }
-
-    #[test]
-    fn a_method_of_another_kind_is_set_against_the_baseline_with_its_defaults() {
-        let typed = lists(&[("bins", &["16"]), ("ray-limit", &["5"])]);
-        let mora = typed.grid(Method::Mora2011).unwrap()[0];
-        assert_ne!(mora, Method::Mora2011.parameters());
-        assert_eq!(baseline_of(&mora), Method::Afra2012.parameters());
-    }
-
-    #[test]
     fn one_trace_takes_one_value_of_what_its_method_has() {
         let error = |typed: KnobLists, m| typed.single(m).unwrap_err().to_string();
         assert!(error(lists(&[("bins", &["1", "2"])]), Method::Afra2012).contains("one value"));
@@ -443,14 +379,6 @@ mod tests {
         let mut all: Vec<String> = kinds.iter().flat_map(Map::keys).cloned().collect();
         all.sort();
         assert_eq!(known, all);
-    }
-
-    #[test]
-    fn a_result_has_the_variant() {
-        let of = |m: Method| own_fields(m, &m.parameters());
-        assert_eq!(of(Method::Mora2011Cones)["variant"], "cones");
-        assert!(!of(Method::Mora2011).contains_key("cone_limit"));
-        assert!(!of(Method::Nabata2013).contains_key("variant"));
     }
 
     #[test]

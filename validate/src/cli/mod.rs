@@ -3,6 +3,7 @@
 mod args;
 mod bench;
 mod color;
+mod compare;
 mod engine;
 mod env;
 mod knobs;
@@ -59,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Trace(args) => trace::trace(&args),
+        Command::Compare(args) => compare::compare(&args),
         Command::Env(args) => env::env(&args),
     };
     match result {

@@ -2,7 +2,7 @@
 //! writable, before any work starts.
 
 use super::args::{EngineArgs, RunArgs};
-use super::knobs::{KnobLists, baseline_of};
+use super::knobs::KnobLists;
 use super::run::Progress;
 use super::size::{Resolution, Spp};
 use super::source::{SceneSource, View, mesh_folders};
@@ -13,6 +13,7 @@ use dacrt::workloads::{Film, RayType};
 use dacrt::{Isa, Method, Parameters};
 use dacrt_validate::embree::{Quality, Query};
 use dacrt_validate::machine::Machine;
+use dacrt_validate::parameters::{is_baseline, own_fields};
 use dacrt_validate::sweep::SweepRun;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -252,8 +253,10 @@ pub fn contestants(methods: &[Method], knobs: &KnobLists) -> anyhow::Result<Vec<
         }
     }
     for i in 0..contestants.len() {
-        let wanted = baseline_of(&contestants[i].parameters);
-        let is_it = |b: &Contestant| b.method == Method::Afra2012 && b.parameters == wanted;
+        let own = |c: &Contestant| own_fields(c.method, &c.parameters);
+        let parameters = own(&contestants[i]);
+        let is_it =
+            |b: &Contestant| b.method == Method::Afra2012 && is_baseline(&own(b), &parameters);
         contestants[i].baseline = contestants.iter().position(is_it);
     }
     Ok(contestants)

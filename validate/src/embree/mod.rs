@@ -3,11 +3,13 @@
 //! `embree4-rs` makes devices, scenes and meshes; packets, occlusion and everything that is timed
 //! go through `embree4-sys`.
 
+mod best;
 mod device;
 mod packed;
 mod scene;
 mod trace;
 
+pub use best::{Best, Combination};
 pub use device::{Device, Info, mxcsr};
 pub use packed::Packed;
 pub use scene::{Quality, Scene};

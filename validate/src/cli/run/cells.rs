@@ -2,9 +2,9 @@
 
 use super::contest::Times;
 use super::reference::Reference;
-use crate::cli::knobs;
 use crate::cli::plan::Contestant;
-use dacrt_validate::embree::{Quality, Query};
+use dacrt_validate::embree::{Best, Quality, Query};
+use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{Cell, CellKey, EmbreeTimes};
 use dacrt_validate::statistics::{median, paired_ratio};
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ impl BatchKey {
             rays: self.rays.clone(),
             method: contestant.method.name().to_owned(),
             precision: "fast".to_owned(),
-            parameters: knobs::own_fields(contestant.method, &contestant.parameters),
+            parameters: own_fields(contestant.method, &contestant.parameters),
         }
     }
 
@@ -56,10 +56,7 @@ pub fn enter_times(
     times: &Times,
     reference: &Reference,
 ) {
-    let build_ms: BTreeMap<String, f64> = (reference.contestants.iter())
-        .map(|b| (b.quality.name().to_owned(), middle(&b.samples_ms)))
-        .collect();
-    let embree = Embree::new(times, &build_ms, reference);
+    let embree = Embree::new(times, reference);
     for (place, &cell) in passed.iter().enumerate() {
         if times.unstable.contains(&place) {
             continue;
@@ -96,61 +93,40 @@ struct Embree {
 }
 
 impl Embree {
-    fn new(times: &Times, build_ms: &BTreeMap<String, f64>, reference: &Reference) -> Embree {
-        let traces: Vec<Trace> = (times.embree.iter())
-            .map(|(quality, query, samples)| Trace {
-                quality: *quality,
-                name: name(*quality, *query),
-                build: build_ms[quality.name()],
-                trace: middle(samples),
-                samples,
-            })
-            .collect();
-        // Those that were given up after a round are not in the running.
-        let rounds = traces.iter().map(|t| t.samples.len()).max().unwrap_or(0);
-        let least = |time: fn(&Trace) -> f64| {
-            let whole = traces.iter().filter(|t| t.samples.len() == rounds);
-            whole
-                .min_by(|a, b| time(a).total_cmp(&time(b)))
-                .expect("not all are given up")
-        };
-        let best_total = least(|t| t.build + t.trace);
-        let best_trace = least(|t| t.trace);
-        let traced = traces.iter().map(|t| (t.name.clone(), t.samples.to_vec()));
+    fn new(times: &Times, reference: &Reference) -> Embree {
         let built = reference.contestants.iter();
         let built = built.map(|b| (b.quality.name().to_owned(), b.samples_ms.clone()));
+        let traced = times.embree.iter();
+        let traced = traced.map(|(quality, query, ms)| (name(*quality, *query), ms.clone()));
+        let (built, traced): (BTreeMap<_, _>, BTreeMap<_, _>) = (built.collect(), traced.collect());
+        let medians = |samples: &BTreeMap<String, Vec<f64>>| {
+            let medians = samples.iter().map(|(name, ms)| (name.clone(), middle(ms)));
+            medians.collect()
+        };
+        let (build_ms, trace_ms) = (medians(&built), medians(&traced));
+        let samples_ms: BTreeMap<String, Vec<f64>> = traced.into_iter().chain(built).collect();
+        let Best { total, trace } = Best::of(&samples_ms).expect("not all are given up");
         let bytes = reference.contestants.iter();
         let prepacked = times.prepacked.iter();
         Embree {
+            best_total_samples: total.traces.iter().map(|ms| total.build_ms + ms).collect(),
+            best_trace_samples: trace.traces.to_vec(),
             times: EmbreeTimes {
-                best_ms: best_total.build + best_total.trace,
-                best_trace_ms: best_trace.trace,
-                build_ms: build_ms.clone(),
-                trace_ms: traces.iter().map(|t| (t.name.clone(), t.trace)).collect(),
-                samples_ms: traced.chain(built).collect(),
+                best_ms: total.total_ms(),
+                best_trace_ms: trace.trace_ms,
+                build_ms,
+                trace_ms,
                 trace_prepacked_ms: prepacked
                     .map(|(quality, query, samples)| (name(*quality, *query), middle(samples)))
                     .collect(),
                 bytes: bytes
-                    .filter(|b| b.quality == best_total.quality)
+                    .filter(|b| b.quality.name() == total.quality)
                     .map(|b| b.scene.bytes())
                     .sum(),
+                samples_ms,
             },
-            best_total_samples: (best_total.samples.iter())
-                .map(|ms| best_total.build + ms)
-                .collect(),
-            best_trace_samples: best_trace.samples.to_vec(),
         }
     }
-}
-
-/// One combination of build quality and query; times in milliseconds, medians.
-struct Trace<'a> {
-    quality: Quality,
-    name: String,
-    build: f64,
-    trace: f64,
-    samples: &'a [f64],
 }
 
 /// `low_1`, `medium_16_coherent`, …

@@ -172,6 +172,7 @@ fn new_document(plan: &RunPlan, device: &Device) -> Document {
         sweep: plan.sweep.clone(),
         pieces: Vec::new(),
         cells: Vec::new(),
+        accepted: Vec::new(),
     }
 }
 

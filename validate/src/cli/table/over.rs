@@ -1,8 +1,9 @@
 //! A result seen along one parameter: a line a batch, a column a value.
 
-use crate::cli::knobs::{own_fields, plain};
+use crate::cli::knobs::plain;
 use crate::cli::text::columns;
 use dacrt::Method;
+use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{Cell, CellKey, Document};
 use dacrt_validate::statistics::{Ratio, geometric_mean, paired_ratio};
 use serde_json::{Map, Value};
