@@ -463,9 +463,11 @@ A regression is
 - more of a counter than --tolerance allows, if both files are of one thread; more leaves,
   skips_near, skips_far and terminated_rays is none;
 - a method that is slower, if both files have the same processor, instruction set and threads.
-  Times are compared as ratios within each file: against afra2012, against Embree's best with its
-  build and against its best trace. Slower: each of them has fallen below 1/1.1 of what it was,
-  the 99 % bootstrap interval included. Embree's count if both files have the same Embree.
+  Times are compared as ratios within each file: to afra2012 (for that, or without it, to the first
+  other method), to Embree's best with its build and to its best trace; those to Embree if both
+  files have the same one. Slower: each of them has fallen below 1/1.05 of what it was, or
+  both to Embree below 1/1.4, with all of the 99 % bootstrap interval. Few repeats or a busy
+  machine make wide intervals, which find little: 5 repeats or more.
 What cannot be judged is shown, and the report says why.
 
 bencher is Bencher's metric format (BMF) with the ratios and counters of the second file. A cell's

@@ -12,7 +12,7 @@ mod times;
 pub use counters::Tolerances;
 pub use matching::CompareError;
 pub use names::Names;
-pub use times::{Against, CONFIDENCE, Quotient, Ratio, SLACK, ratios};
+pub use times::{Against, CONFIDENCE, FAR_SLACK, Quotient, Ratio, SLACK, ratios};
 
 use crate::results::{Cell, Document};
 use serde::Serialize;
@@ -179,6 +179,7 @@ pub fn compare(
         let speed = times::speed(
             (reference, a),
             (new, b),
+            &names,
             comparison.times_not_judged.is_none(),
             comparison.embree_not_judged.is_none(),
         );

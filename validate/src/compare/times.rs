@@ -1,31 +1,45 @@
 //! Times: ratios within each file, and how they compare.
 //!
-//! Milliseconds of two runs say little, for one may have had the processor to itself. Ratios to
-//! contestants of the same run say more, but they stray as well, and a wrong alarm teaches people
-//! to ignore alarms. So a method is slower only if each ratio that it has says so (that against
-//! `afra2012` and the two against Embree), by more than [`SLACK`], at a confidence of
-//! [`CONFIDENCE`]. The interval is a bootstrap from a pool of the deviations of all contestants of
-//! the batch ([`Noise`]): a bootstrap of three or five samples of one contestant alone takes those
-//! that happen to agree for certain.
+//! Milliseconds of two runs say little: the processor may have been busy, hot, or shared. Ratios to
+//! contestants of the same run say more, but they stray as well, and a false alarm teaches people
+//! to ignore alarms. So a method has become slower only
+//!
+//! - if each of its ratios says so: that to another method (the baseline; without one, and for the
+//!   baseline itself, the first other method of the batch) and the two to Embree, each by more than
+//!   [`SLACK`] with its whole interval. What lies far apart in time or memory moves a method against Embree or against
+//!   another method, seldom both;
+//! - or if both ratios to Embree say so by more than [`FAR_SLACK`]: what slows all methods alike
+//!   shows nowhere else. Our methods stream through memory, which other users of the last-level
+//!   cache slow down and Embree's small trees hardly feel: two runs of one commit, hours apart on a
+//!   quiet machine, had ratios 0.80 apart. Hence the large slack.
+//!
+//! The interval of a quotient is a bootstrap from a pool of the deviations of all contestants of
+//! the batch ([`Noise`]). A bootstrap of the three or five samples of each contestant alone takes
+//! for certain what happens to agree: on a busy machine with two cores, of 2,772 cells of 132 pairs
+//! of runs of one commit it called 9 slower (95 %, slack 0.1), and missed 4 of 18 cells of a quiet
+//! run that were made 1.3 times slower; by the pool it is none and none.
 
-use super::{Grade, Speed};
+use super::{Grade, Names, Speed};
 use crate::embree::Best;
 use crate::parameters::is_baseline;
 use crate::results::{Cell, Document};
 use crate::statistics::{Noise, median};
+use dacrt::Method;
 use serde::Serialize;
+use std::fmt;
 
-/// By how much a ratio must have changed, whatever its interval: two runs of one program differ by
-/// where its memory lies and how warm the processor is, which no interval from within a run shows.
-pub const SLACK: f64 = 0.10;
-/// Share of the resamples within the interval of a quotient. There are many cells in a file and
-/// many files a day, so 95 % would be wrong too often.
+/// By how much each ratio must have changed, beyond its interval.
+pub const SLACK: f64 = 0.05;
+/// By how much the ratios to Embree must have changed where other methods tell nothing.
+pub const FAR_SLACK: f64 = 0.4;
+/// Share of the resamples within an interval. There are many cells in a file, and many files a day:
+/// 95 % would be wrong too often.
 pub const CONFIDENCE: f64 = 0.99;
 /// So that 20 resamples lie beyond each end.
 const RESAMPLES: usize = 4000;
 
 /// Whose time is over ours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Against {
     /// The baseline of the cell.
@@ -34,6 +48,27 @@ pub enum Against {
     EmbreeTotal,
     /// Embree's best trace.
     EmbreeTrace,
+    /// Another cell of the same batch, by name.
+    #[serde(untagged)]
+    Cell(String),
+}
+
+impl Against {
+    fn is_embree(&self) -> bool {
+        matches!(self, Against::EmbreeTotal | Against::EmbreeTrace)
+    }
+}
+
+impl fmt::Display for Against {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Against::Afra2012 => "afra2012",
+            // The batch is that of the cell at hand.
+            Against::Cell(name) => name.rsplit_once('/').map_or(name, |(_, method)| method),
+            Against::EmbreeTotal => "Embree total",
+            Against::EmbreeTrace => "Embree trace",
+        })
+    }
 }
 
 /// A ratio of times within a file, from its samples.
@@ -43,12 +78,19 @@ pub struct Ratio {
     pub against: Against,
     /// The other's time over ours, medians.
     pub value: f64,
-    /// What it may be as well; empty if there is a single round. In no order.
+    /// What chance may make of it; empty without repeats. In no order.
     pub resamples: Vec<f64>,
 }
 
+impl Ratio {
+    /// Its bootstrap interval of [`CONFIDENCE`]; `None` without repeats.
+    pub fn interval(&self) -> Option<[f64; 2]> {
+        interval(self.resamples.clone())
+    }
+}
+
 /// How a ratio has changed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quotient {
     /// Against whom the ratios are.
     pub against: Against,
@@ -62,35 +104,53 @@ pub struct Quotient {
     pub interval: Option<[f64; 2]>,
 }
 
+/// The ratios of a cell to its baseline and to Embree, computed anew from the samples in its
+/// document; none if it has no times.
+pub fn ratios(document: &Document, cell: &Cell) -> Vec<Ratio> {
+    let mut batch = Batch::of(document, cell, 1);
+    let baseline = batch.baseline();
+    let baseline = baseline.and_then(|other| batch.against_cell(Against::Afra2012, other));
+    baseline.into_iter().chain(batch.against_embree()).collect()
+}
+
 /// Compares the times of a cell; each document is given for the other cells of the batch. `None` if
-/// one of them has no times, or they have no ratio in common.
+/// they have no ratio in common.
 pub(super) fn speed(
     (reference, a): (&Document, &Cell),
     (new, b): (&Document, &Cell),
+    names: &Names,
     judged: bool,
     same_embree: bool,
 ) -> Option<Speed> {
-    let (before, after) = (ratios(reference, a, 1), ratios(new, b, 2));
-    let quotients: Vec<Quotient> = (before.iter())
-        .filter_map(|x| Some(quotient(x, after.iter().find(|y| y.against == x.against)?)))
+    // Two seeds, for the files were measured independently.
+    let (mut before, mut after) = (Batch::of(reference, a, 1), Batch::of(new, b, 2));
+    let baselines = before.baseline().zip(after.baseline());
+    let other = match baselines {
+        Some((x, y)) => Some((Against::Afra2012, x, y)),
+        None => before.other_methods().find_map(|x| {
+            let y = after.other_methods().find(|y| y.key.is(&x.key))?;
+            Some((Against::Cell(names.name(&x.key)), x, y))
+        }),
+    };
+    let mut ratios_before = before.against_embree();
+    let mut ratios_after = after.against_embree();
+    if let Some((against, x, y)) = other {
+        ratios_before.extend(before.against_cell(against.clone(), x));
+        ratios_after.extend(after.against_cell(against, y));
+    }
+    let quotients: Vec<Quotient> = (ratios_before.iter())
+        .filter_map(|x| {
+            let same = ratios_after.iter().find(|y| y.against == x.against);
+            Some(quotient(x, same?))
+        })
         .collect();
     if quotients.is_empty() {
         return None;
     }
-    let evidence: Vec<&Quotient> = (quotients.iter())
-        .filter(|q| same_embree || q.against == Against::Afra2012)
-        .collect();
-    let all = |says: fn([f64; 2]) -> bool| {
-        let all = evidence.iter().all(|q| q.interval.is_some_and(says));
-        all && !evidence.is_empty()
-    };
-    let grade = if all(|[_, high]| high < 1.0 / (1.0 + SLACK)) {
-        Grade::Regression
-    } else if all(|[low, _]| low > 1.0 + SLACK) {
-        Grade::Improvement
-    } else {
-        Grade::Same
-    };
+    let (embree, methods): (Vec<&Quotient>, Vec<&Quotient>) =
+        (quotients.iter()).partition(|q| q.against.is_embree());
+    let embree = if same_embree { embree } else { Vec::new() };
+    let grade = grade(&methods, &embree, baselines.is_some());
     Some(Speed {
         grade: match grade {
             Grade::Regression | Grade::Improvement if !judged => Grade::Changed,
@@ -100,10 +160,33 @@ pub(super) fn speed(
     })
 }
 
+/// Slower, faster or the same, by the quotients that count.
+fn grade(methods: &[&Quotient], embree: &[&Quotient], to_baseline: bool) -> Grade {
+    let all = |quotients: &[&Quotient], says: &dyn Fn([f64; 2]) -> bool| {
+        quotients.iter().all(|q| q.interval.is_some_and(says))
+    };
+    let says = |outside: &dyn Fn([f64; 2], f64) -> bool| {
+        let clear = |[low, high]: [f64; 2]| outside([low, high], SLACK);
+        let far = |[low, high]: [f64; 2]| outside([low, high], FAR_SLACK);
+        // Of two methods alone nobody knows which has changed; the baseline is the one that does
+        // not.
+        let enough = !methods.is_empty() && (to_baseline || !embree.is_empty());
+        let both = enough && all(methods, &clear) && all(embree, &clear);
+        both || (!embree.is_empty() && all(embree, &far))
+    };
+    if says(&|[_, high], slack| high < 1.0 / (1.0 + slack)) {
+        Grade::Regression
+    } else if says(&|[low, _], slack| low > 1.0 + slack) {
+        Grade::Improvement
+    } else {
+        Grade::Same
+    }
+}
+
 fn quotient(before: &Ratio, after: &Ratio) -> Quotient {
     let resamples = before.resamples.iter().zip(&after.resamples);
     Quotient {
-        against: before.against,
+        against: before.against.clone(),
         reference: before.value,
         new: after.value,
         quotient: after.value / before.value,
@@ -112,115 +195,138 @@ fn quotient(before: &Ratio, after: &Ratio) -> Quotient {
 }
 
 /// The interval that leaves out as many resamples at either end; `None` of nothing.
-pub(super) fn interval(mut resamples: Vec<f64>) -> Option<[f64; 2]> {
+fn interval(mut resamples: Vec<f64>) -> Option<[f64; 2]> {
     resamples.sort_by(f64::total_cmp);
     let tail = (resamples.len() as f64 * (1.0 - CONFIDENCE) / 2.0) as usize;
     let last = resamples.len().checked_sub(1 + tail)?;
     Some([resamples[tail], resamples[last]])
 }
 
-impl Ratio {
-    /// Its bootstrap interval of [`CONFIDENCE`]; `None` without repeats.
-    pub fn interval(&self) -> Option<[f64; 2]> {
-        interval(self.resamples.clone())
-    }
+/// A cell among all that took turns with it.
+struct Batch<'a> {
+    cell: &'a Cell,
+    /// The cells of the batch that have times.
+    cells: Vec<&'a Cell>,
+    noise: Option<Noise>,
+    build_noise: Option<Noise>,
+    random: fastrand::Rng,
 }
 
-/// The ratios of a cell, computed anew from the samples in its document; none if it has no times.
-/// Ratios of two files that are to be compared need different seeds.
-pub fn ratios(document: &Document, cell: &Cell, seed: u64) -> Vec<Ratio> {
-    let Some((ours, ours_ms)) = timed(cell) else {
-        return Vec::new();
-    };
-    let batch = document.cells.iter().filter(|c| same_batch(c, cell));
-    let batch: Vec<(&Cell, &[f64])> = batch
-        .filter_map(|c| Some((c, c.samples_ms.as_deref()?)))
-        .collect();
-    let embree = cell.embree.as_ref().map(|embree| &embree.samples_ms);
-    let (traces, builds): (Vec<_>, Vec<_>) = (embree.into_iter().flatten())
-        .map(|(name, samples)| (name.contains('_'), samples.as_slice()))
-        .partition(|(is_trace, _)| *is_trace);
-    let traces = traces.into_iter().map(|(_, samples)| samples);
-    let noise = Noise::of(batch.iter().map(|(_, samples)| *samples).chain(traces));
-    let build_noise = Noise::of(builds.into_iter().map(|(_, samples)| samples));
+impl<'a> Batch<'a> {
+    fn of(document: &'a Document, cell: &'a Cell, seed: u64) -> Batch<'a> {
+        let cells = document.cells.iter().filter(|c| same_batch(c, cell));
+        let cells: Vec<&Cell> = cells.filter(|c| !samples(c).is_empty()).collect();
+        let embree = cell.embree.iter().flat_map(|embree| &embree.samples_ms);
+        let (traces, builds): (Vec<_>, Vec<_>) = embree.partition(|(name, _)| name.contains('_'));
+        let of_embree = |list: Vec<(&'a String, &'a Vec<f64>)>| {
+            let lists = list.into_iter().map(|(_, samples)| samples.as_slice());
+            lists.collect::<Vec<_>>()
+        };
+        let ours = cells.iter().map(|c| samples(c));
+        Batch {
+            cell,
+            noise: Noise::of(ours.chain(of_embree(traces))),
+            build_noise: Noise::of(of_embree(builds)),
+            cells,
+            random: fastrand::Rng::with_seed(seed),
+        }
+    }
 
-    let mut random = fastrand::Rng::with_seed(seed);
-    let mut resample = |value: f64, other: &dyn Fn(&mut Factors) -> f64| {
-        let Some(noise) = &noise else {
+    /// The cell that the acceleration ratio of this one is against, if that is another.
+    fn baseline(&self) -> Option<&'a Cell> {
+        let key = &self.cell.key;
+        let is_it = |c: &&Cell| {
+            c.key.method == Method::Afra2012.name()
+                && c.key.precision == key.precision
+                && is_baseline(&c.key.parameters, &key.parameters)
+        };
+        let baseline = self.cells.iter().copied().find(is_it)?;
+        (!std::ptr::eq(baseline, self.cell)).then_some(baseline)
+    }
+
+    /// The cells of other methods.
+    fn other_methods(&self) -> impl Iterator<Item = &'a Cell> {
+        let others = self.cells.iter().copied();
+        others.filter(|c| c.key.method != self.cell.key.method)
+    }
+
+    /// `None` if one of them has no times.
+    fn against_cell(&mut self, against: Against, other: &Cell) -> Option<Ratio> {
+        let rounds = samples(other).len();
+        let theirs = median(samples(other))?;
+        self.ratio(against, theirs, |chance| chance.of_trace(rounds))
+    }
+
+    /// Both ratios, if there are times of Embree and of the cell.
+    fn against_embree(&mut self) -> Vec<Ratio> {
+        let embree = self.cell.embree.as_ref();
+        let Some(Best { total, trace }) = embree.and_then(|e| Best::of(&e.samples_ms)) else {
             return Vec::new();
         };
-        let mut factors = Factors {
-            noise,
-            build_noise: build_noise.as_ref(),
-            random: &mut random,
-        };
-        (0..RESAMPLES)
-            .map(|_| value * other(&mut factors) / factors.trace(ours.len()))
-            .collect()
-    };
-    let mut ratios = Vec::new();
-    let is_baseline = |c: &Cell| {
-        c.key.method == dacrt::Method::Afra2012.name()
-            && c.key.precision == cell.key.precision
-            && is_baseline(&c.key.parameters, &cell.key.parameters)
-    };
-    let baseline = batch.iter().find(|(c, _)| is_baseline(c));
-    let baseline = baseline.filter(|(c, _)| !std::ptr::eq(*c, cell));
-    if let Some((baseline, median)) = baseline.and_then(|(c, _)| timed(c)) {
-        let value = median / ours_ms;
-        ratios.push(Ratio {
-            against: Against::Afra2012,
-            value,
-            resamples: resample(value, &|factors| factors.trace(baseline.len())),
-        });
-    }
-    if let Some(best) = embree.and_then(Best::of) {
-        let (total, trace) = (best.total, best.trace);
-        let value = total.total_ms() / ours_ms;
-        let share = total.build_ms / total.total_ms();
-        ratios.push(Ratio {
-            against: Against::EmbreeTotal,
-            value,
-            resamples: resample(value, &|factors| {
-                share * factors.build(total.builds.len())
-                    + (1.0 - share) * factors.trace(total.traces.len())
+        let build_share = total.build_ms / total.total_ms();
+        let ratios = [
+            self.ratio(Against::EmbreeTotal, total.total_ms(), |chance| {
+                build_share * chance.of_build(total.builds.len())
+                    + (1.0 - build_share) * chance.of_trace(total.traces.len())
             }),
-        });
-        let value = trace.trace_ms / ours_ms;
-        ratios.push(Ratio {
-            against: Against::EmbreeTrace,
-            value,
-            resamples: resample(value, &|factors| factors.trace(trace.traces.len())),
-        });
+            self.ratio(Against::EmbreeTrace, trace.trace_ms, |chance| {
+                chance.of_trace(trace.traces.len())
+            }),
+        ];
+        ratios.into_iter().flatten().collect()
     }
-    ratios
+
+    /// A time over ours. `factor` draws what chance may make of that time.
+    fn ratio(
+        &mut self,
+        against: Against,
+        theirs: f64,
+        factor: impl Fn(&mut Chance) -> f64,
+    ) -> Option<Ratio> {
+        let rounds = samples(self.cell).len();
+        let value = theirs / median(samples(self.cell))?;
+        let mut chance = self.noise.as_ref().map(|noise| Chance {
+            noise,
+            build_noise: self.build_noise.as_ref(),
+            random: &mut self.random,
+        });
+        let resamples = chance.iter_mut().flat_map(|chance| {
+            (0..RESAMPLES).map(|_| value * factor(chance) / chance.of_trace(rounds))
+        });
+        Some(Ratio {
+            against,
+            value,
+            resamples: resamples.collect(),
+        })
+    }
 }
 
-/// What chance may make of medians.
-struct Factors<'a> {
+/// Draws factors that chance may put on medians.
+struct Chance<'a> {
     noise: &'a Noise,
     build_noise: Option<&'a Noise>,
     random: &'a mut fastrand::Rng,
 }
 
-impl Factors<'_> {
-    fn trace(&mut self, samples: usize) -> f64 {
+impl Chance<'_> {
+    fn of_trace(&mut self, samples: usize) -> f64 {
         self.noise.of_median(samples, self.random)
     }
 
-    fn build(&mut self, samples: usize) -> f64 {
+    fn of_build(&mut self, samples: usize) -> f64 {
         let noise = self.build_noise;
         noise.map_or(1.0, |noise| noise.of_median(samples, self.random))
     }
 }
 
-fn timed(cell: &Cell) -> Option<(&[f64], f64)> {
-    let samples = cell.samples_ms.as_deref()?;
-    Some((samples, median(samples)?))
+fn samples(cell: &Cell) -> &[f64] {
+    cell.samples_ms.as_deref().unwrap_or_default()
 }
 
 fn same_batch(a: &Cell, b: &Cell) -> bool {
-    let of = |c: &Cell| (c.key.resolution, c.key.spp);
-    of(a) == of(b)
-        && (&a.key.scene, &a.key.camera, &a.key.rays) == (&b.key.scene, &b.key.camera, &b.key.rays)
+    fn batch(cell: &Cell) -> (&str, &str, &str, [u32; 2], u32) {
+        let key = &cell.key;
+        (&key.scene, &key.camera, &key.rays, key.resolution, key.spp)
+    }
+    batch(a) == batch(b)
 }

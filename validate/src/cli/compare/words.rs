@@ -2,7 +2,7 @@
 
 use crate::cli::text::{counted, thousands};
 use dacrt_validate::compare::{
-    Against, CellComparison, Comparison, Finding, Grade, Origin, Quotient, Speed,
+    CellComparison, Comparison, Finding, Grade, Origin, Quotient, Speed,
 };
 use serde_json::Value;
 
@@ -54,7 +54,7 @@ fn speed(speed: &Speed) -> Vec<Row> {
     quotients
         .map(|q| {
             [
-                format!("speed / {}", whom(q.against)),
+                format!("speed / {}", q.against),
                 figure(q.reference),
                 figure(q.new),
                 quotient(q),
@@ -69,14 +69,6 @@ fn quotient(q: &Quotient) -> String {
         format!(" [{}, {}]", figure(low), figure(high))
     });
     format!("x {}{interval}", figure(q.quotient))
-}
-
-fn whom(against: Against) -> &'static str {
-    match against {
-        Against::Afra2012 => "afra2012",
-        Against::EmbreeTotal => "Embree total",
-        Against::EmbreeTrace => "Embree trace",
-    }
 }
 
 fn value(value: &Value) -> String {
