@@ -17,7 +17,7 @@
 //! the batch ([`Noise`]). A bootstrap of the three or five samples of each contestant alone takes
 //! for certain what happens to agree: on a busy machine with two cores, of 2,772 cells of 132 pairs
 //! of runs of one commit it called 9 slower (95 %, slack 0.1), and missed 4 of 18 cells of a quiet
-//! run that were made 1.3 times slower; by the pool it is none and none.
+//! run that were made 1.3 times slower; the rule here calls none slower, and misses 2.
 
 use super::{Grade, Names, Speed};
 use crate::embree::Best;
