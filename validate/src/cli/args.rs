@@ -465,9 +465,9 @@ A regression is
 - a method that is slower, if both files have the same processor, instruction set and threads.
   Times are compared as ratios within each file: to afra2012 (for that, or without it, to the first
   other method), to Embree's best with its build and to its best trace; those to Embree if both
-  files have the same one. Slower: each of them has fallen below 1/1.05 of what it was, or
-  both to Embree below 1/1.4, with all of the 99 % bootstrap interval. Few repeats or a busy
-  machine make wide intervals, which find little: 5 repeats or more.
+  files have the same one. Slower: each of them has fallen below 1/1.05 of what it was, or both to
+  Embree below 1/1.4, with all of the 98 % bootstrap interval and by the least times, too. Few
+  repeats or a busy machine make wide intervals, which find little: take 5 repeats or more.
 What cannot be judged is shown, and the report says why.
 
 bencher is Bencher's metric format (BMF) with the ratios and counters of the second file. A cell's

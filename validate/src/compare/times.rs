@@ -6,18 +6,20 @@
 //!
 //! - if each of its ratios says so: that to another method (the baseline; without one, and for the
 //!   baseline itself, the first other method of the batch) and the two to Embree, each by more than
-//!   [`SLACK`] with its whole interval. What lies far apart in time or memory moves a method against Embree or against
-//!   another method, seldom both;
+//!   [`SLACK`]. What differs between two runs of one program moves a method against Embree or
+//!   against another method, seldom both;
 //! - or if both ratios to Embree say so by more than [`FAR_SLACK`]: what slows all methods alike
 //!   shows nowhere else. Our methods stream through memory, which other users of the last-level
 //!   cache slow down and Embree's small trees hardly feel: two runs of one commit, hours apart on a
 //!   quiet machine, had ratios 0.80 apart. Hence the large slack.
 //!
-//! The interval of a quotient is a bootstrap from a pool of the deviations of all contestants of
-//! the batch ([`Noise`]). A bootstrap of the three or five samples of each contestant alone takes
-//! for certain what happens to agree: on a busy machine with two cores, of 2,772 cells of 132 pairs
-//! of runs of one commit it called 9 slower (95 %, slack 0.1), and missed 4 of 18 cells of a quiet
-//! run that were made 1.3 times slower; the rule here calls none slower, and misses 2.
+//! A ratio says so if its whole interval does and the ratio of the least times does, too, which
+//! disturbances hardly reach. The interval of a quotient is a bootstrap from a pool of the
+//! deviations of all contestants of the batch ([`Noise`]). A bootstrap of the three or five samples
+//! of each contestant alone takes for certain what happens to agree: of 2,772 cells of 132 pairs of
+//! runs of one commit on a busy machine with two cores it called 9 slower (95 %, slack 0.1), and it
+//! missed 4 of 18 cells of a quiet run whose samples had been multiplied by 1.3. The rule here
+//! calls none slower and misses none.
 
 use super::{Grade, Names, Speed};
 use crate::embree::Best;
@@ -34,8 +36,8 @@ pub const SLACK: f64 = 0.05;
 pub const FAR_SLACK: f64 = 0.4;
 /// Share of the resamples within an interval. There are many cells in a file, and many files a day:
 /// 95 % would be wrong too often.
-pub const CONFIDENCE: f64 = 0.99;
-/// So that 20 resamples lie beyond each end.
+pub const CONFIDENCE: f64 = 0.98;
+/// So that 40 resamples lie beyond each end.
 const RESAMPLES: usize = 4000;
 
 /// Whose time is over ours.
@@ -78,6 +80,8 @@ pub struct Ratio {
     pub against: Against,
     /// The other's time over ours, medians.
     pub value: f64,
+    /// The same of the least times.
+    pub of_least: f64,
     /// What chance may make of it; empty without repeats. In no order.
     pub resamples: Vec<f64>,
 }
@@ -102,6 +106,8 @@ pub struct Quotient {
     pub quotient: f64,
     /// Its bootstrap interval of [`CONFIDENCE`]; `None` without repeats.
     pub interval: Option<[f64; 2]>,
+    /// The quotient of the ratios of the least times.
+    pub of_least: f64,
 }
 
 /// The ratios of a cell to its baseline and to Embree, computed anew from the samples in its
@@ -162,21 +168,22 @@ pub(super) fn speed(
 
 /// Slower, faster or the same, by the quotients that count.
 fn grade(methods: &[&Quotient], embree: &[&Quotient], to_baseline: bool) -> Grade {
-    let all = |quotients: &[&Quotient], says: &dyn Fn([f64; 2]) -> bool| {
-        quotients.iter().all(|q| q.interval.is_some_and(says))
+    // Of two methods alone nobody knows which has changed; the baseline is the one that does not.
+    let enough = !methods.is_empty() && (to_baseline || !embree.is_empty());
+    let all = |quotients: &[&Quotient], says: &dyn Fn(&Quotient) -> bool| {
+        quotients.iter().all(|q| says(q))
     };
-    let says = |outside: &dyn Fn([f64; 2], f64) -> bool| {
-        let clear = |[low, high]: [f64; 2]| outside([low, high], SLACK);
-        let far = |[low, high]: [f64; 2]| outside([low, high], FAR_SLACK);
-        // Of two methods alone nobody knows which has changed; the baseline is the one that does
-        // not.
-        let enough = !methods.is_empty() && (to_baseline || !embree.is_empty());
-        let both = enough && all(methods, &clear) && all(embree, &clear);
-        both || (!embree.is_empty() && all(embree, &far))
+    let says = |changed: &dyn Fn(&Quotient, f64) -> bool| {
+        let clear = |q: &Quotient| changed(q, SLACK);
+        let far = |q: &Quotient| changed(q, FAR_SLACK);
+        let each = enough && all(methods, &clear) && all(embree, &clear);
+        each || (!embree.is_empty() && all(embree, &far))
     };
-    if says(&|[_, high], slack| high < 1.0 / (1.0 + slack)) {
+    let greatest = |q: &Quotient| q.interval.map(|[_, high]| high.max(q.of_least));
+    let least = |q: &Quotient| q.interval.map(|[low, _]| low.min(q.of_least));
+    if says(&|q, slack| greatest(q).is_some_and(|x| x < 1.0 / (1.0 + slack))) {
         Grade::Regression
-    } else if says(&|[low, _], slack| low > 1.0 + slack) {
+    } else if says(&|q, slack| least(q).is_some_and(|x| x > 1.0 + slack)) {
         Grade::Improvement
     } else {
         Grade::Same
@@ -191,6 +198,7 @@ fn quotient(before: &Ratio, after: &Ratio) -> Quotient {
         new: after.value,
         quotient: after.value / before.value,
         interval: interval(resamples.map(|(x, y)| y / x).collect()),
+        of_least: after.of_least / before.of_least,
     }
 }
 
@@ -253,7 +261,7 @@ impl<'a> Batch<'a> {
     /// `None` if one of them has no times.
     fn against_cell(&mut self, against: Against, other: &Cell) -> Option<Ratio> {
         let rounds = samples(other).len();
-        let theirs = median(samples(other))?;
+        let theirs = [median(samples(other))?, least(samples(other))];
         self.ratio(against, theirs, |chance| chance.of_trace(rounds))
     }
 
@@ -264,27 +272,30 @@ impl<'a> Batch<'a> {
             return Vec::new();
         };
         let build_share = total.build_ms / total.total_ms();
+        let of_total = [total.total_ms(), least(total.builds) + least(total.traces)];
+        let of_trace = [trace.trace_ms, least(trace.traces)];
         let ratios = [
-            self.ratio(Against::EmbreeTotal, total.total_ms(), |chance| {
+            self.ratio(Against::EmbreeTotal, of_total, |chance| {
                 build_share * chance.of_build(total.builds.len())
                     + (1.0 - build_share) * chance.of_trace(total.traces.len())
             }),
-            self.ratio(Against::EmbreeTrace, trace.trace_ms, |chance| {
+            self.ratio(Against::EmbreeTrace, of_trace, |chance| {
                 chance.of_trace(trace.traces.len())
             }),
         ];
         ratios.into_iter().flatten().collect()
     }
 
-    /// A time over ours. `factor` draws what chance may make of that time.
+    /// Times, median and least, over ours. `factor` draws what chance may make of the median.
     fn ratio(
         &mut self,
         against: Against,
-        theirs: f64,
+        theirs: [f64; 2],
         factor: impl Fn(&mut Chance) -> f64,
     ) -> Option<Ratio> {
-        let rounds = samples(self.cell).len();
-        let value = theirs / median(samples(self.cell))?;
+        let ours = samples(self.cell);
+        let rounds = ours.len();
+        let value = theirs[0] / median(ours)?;
         let mut chance = self.noise.as_ref().map(|noise| Chance {
             noise,
             build_noise: self.build_noise.as_ref(),
@@ -296,6 +307,7 @@ impl<'a> Batch<'a> {
         Some(Ratio {
             against,
             value,
+            of_least: theirs[1] / least(ours),
             resamples: resamples.collect(),
         })
     }
@@ -321,6 +333,10 @@ impl Chance<'_> {
 
 fn samples(cell: &Cell) -> &[f64] {
     cell.samples_ms.as_deref().unwrap_or_default()
+}
+
+fn least(samples: &[f64]) -> f64 {
+    samples.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 fn same_batch(a: &Cell, b: &Cell) -> bool {
