@@ -80,7 +80,7 @@ mod tests {
         let name = format!("scene/primary[{}]", ["parameter=1.25"; 12].join(","));
         let text = wrapped(&name, "", ",");
         assert!(
-            text.lines().all(|line| line.len() <= WIDTH) && text.lines().count() == 2,
+            text.lines().all(|line| line.len() <= WIDTH) && text.lines().count() == 3,
             "{text}"
         );
         assert_eq!(text.replace("\n    ", "").trim_end(), name);
