@@ -125,6 +125,8 @@ fn document() -> Document {
         seed: 1,
         threads: 1,
         command: vec![],
+        sweep: None,
+        pieces: vec![],
         cells: cells.into_iter().flatten().collect(),
         accepted: vec![],
     }

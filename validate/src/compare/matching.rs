@@ -1,6 +1,6 @@
 //! Which cells of two files are the same work, and why two files cannot be compared.
 
-use super::names::group;
+use super::names::{Group, group};
 use super::{Names, Options};
 use crate::results::{Cell, Document};
 use std::collections::BTreeMap;
@@ -136,11 +136,11 @@ pub(super) fn matched<'a>(
 }
 
 /// The cells of a document by method and batch.
-struct Groups<'a>(BTreeMap<String, Vec<&'a Cell>>);
+struct Groups<'a>(BTreeMap<Group<'a>, Vec<&'a Cell>>);
 
 impl<'a> Groups<'a> {
     fn of(document: &'a Document) -> Groups<'a> {
-        let mut groups: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
+        let mut groups: BTreeMap<Group, Vec<&Cell>> = BTreeMap::new();
         for cell in &document.cells {
             groups.entry(group(&cell.key)).or_default().push(cell);
         }

@@ -11,20 +11,20 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A user may compare files in which a parameter varies with files in which it does not: names are
 /// made over all documents at hand, and each is the name of one cell only.
 #[derive(Clone, Debug)]
-pub struct Names {
+pub struct Names<'a> {
     /// Scenes that are seen by several cameras.
     several_cameras: BTreeSet<String>,
     /// By method and batch, the parameters of which there is more than one value.
-    varied: BTreeMap<String, BTreeSet<String>>,
+    varied: BTreeMap<Group<'a>, BTreeSet<String>>,
 }
 
-impl Names {
+impl<'a> Names<'a> {
     /// Names for the cells of these documents.
-    pub fn of(documents: &[&Document]) -> Names {
+    pub fn of(documents: &[&'a Document]) -> Names<'a> {
         let keys = || (documents.iter()).flat_map(|d| d.cells.iter().map(|cell| &cell.key));
         let mut cameras: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-        let mut first: BTreeMap<String, BTreeMap<String, Value>> = BTreeMap::new();
-        let mut varied: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        let mut first: BTreeMap<Group, BTreeMap<String, Value>> = BTreeMap::new();
+        let mut varied: BTreeMap<Group, BTreeSet<String>> = BTreeMap::new();
         for key in keys() {
             cameras.entry(&key.scene).or_default().insert(&key.camera);
             let values = values(key);
@@ -73,18 +73,12 @@ impl Names {
     }
 }
 
-/// Method and batch: cells that only parameters and precision tell apart.
-pub(super) fn group(key: &CellKey) -> String {
-    let CellKey {
-        scene,
-        camera,
-        resolution: [width, height],
-        spp,
-        rays,
-        method,
-        ..
-    } = key;
-    format!("{scene}\n{camera}\n{width}x{height}\n{spp}\n{rays}\n{method}")
+/// Batch and method: cells that only parameters and precision tell apart.
+pub(super) type Group<'a> = ((&'a str, &'a str, [u32; 2], u32, &'a str), &'a str);
+
+/// Which group a cell belongs to.
+pub(super) fn group(key: &CellKey) -> Group<'_> {
+    (key.batch(), &key.method)
 }
 
 /// Parameters and precision; the variant is no choice (see [`CellKey::is`]).

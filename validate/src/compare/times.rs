@@ -213,7 +213,7 @@ fn interval(mut resamples: Vec<f64>) -> Option<[f64; 2]> {
 /// A cell among all that took turns with it.
 struct Batch<'a> {
     cell: &'a Cell,
-    /// The cells of the batch that have times.
+    /// Those that have times, the cell itself among them.
     cells: Vec<&'a Cell>,
     noise: Option<Noise>,
     build_noise: Option<Noise>,
@@ -222,7 +222,7 @@ struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     fn of(document: &'a Document, cell: &'a Cell, seed: u64) -> Batch<'a> {
-        let cells = document.cells.iter().filter(|c| same_batch(c, cell));
+        let cells = document.cells.iter().filter(|c| took_turns(c, cell));
         let cells: Vec<&Cell> = cells.filter(|c| !samples(c).is_empty()).collect();
         let embree = cell.embree.iter().flat_map(|embree| &embree.samples_ms);
         let (traces, builds): (Vec<_>, Vec<_>) = embree.partition(|(name, _)| name.contains('_'));
@@ -339,10 +339,8 @@ fn least(samples: &[f64]) -> f64 {
     samples.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-fn same_batch(a: &Cell, b: &Cell) -> bool {
-    fn batch(cell: &Cell) -> (&str, &str, &str, [u32; 2], u32) {
-        let key = &cell.key;
-        (&key.scene, &key.camera, &key.rays, key.resolution, key.spp)
-    }
-    batch(a) == batch(b)
+/// Whether both were measured in turns: two cells of a batch may be of two runs that were merged,
+/// but then the times of Embree are not the same to the last digit.
+fn took_turns(a: &Cell, b: &Cell) -> bool {
+    a.key.batch() == b.key.batch() && a.embree == b.embree
 }
