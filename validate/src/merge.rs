@@ -1,6 +1,7 @@
 //! One result out of several: the shards of a sweep, or runs of other scenes.
 
-use crate::results::{Cell, CellKey, Document, Piece, circumstances};
+use crate::compare::Names;
+use crate::results::{Cell, Document, Piece, circumstances};
 use crate::sweep::SweepRun;
 use std::path::{Path, PathBuf};
 
@@ -110,6 +111,8 @@ pub fn merge(files: &[(&Path, Document)], command: Vec<String>) -> Result<Docume
             }
         }
     }
+    let documents: Vec<&Document> = files.iter().map(|(_, file)| file).collect();
+    let names = Names::of(&documents);
     let order = shards_in_order(files)?;
     let mut cells: Vec<(usize, Cell)> = Vec::new();
     for &i in &order {
@@ -122,7 +125,7 @@ pub fn merge(files: &[(&Path, Document)], command: Vec<String>) -> Result<Docume
                     return Err(MergeError::OtherRays {
                         path,
                         other: other_path,
-                        cell: name(&cell.key),
+                        cell: names.name(&cell.key),
                         found: cell.ray_hash.clone(),
                         expected: other.ray_hash.clone(),
                     });
@@ -131,7 +134,7 @@ pub fn merge(files: &[(&Path, Document)], command: Vec<String>) -> Result<Docume
                     return Err(MergeError::Twice {
                         path,
                         other: other_path,
-                        cell: name(&cell.key),
+                        cell: names.name(&cell.key),
                     });
                 }
             }
@@ -205,9 +208,4 @@ fn shards_in_order(files: &[(&Path, Document)]) -> Result<Vec<usize>, MergeError
     }
     places.sort();
     Ok(places.into_iter().map(|(_, i)| i).collect())
-}
-
-fn name(key: &CellKey) -> String {
-    let [width, height] = key.resolution;
-    format!("{} {} {width}x{height} {}", key.scene, key.rays, key.method)
 }

@@ -425,18 +425,6 @@ impl Document {
         names
     }
 
-    /// What tells a cell from others of its method and batch: `name=value` for each parameter that
-    /// is varied; may be empty.
-    pub fn label(&self, cell: &Cell) -> String {
-        let parts: Vec<String> = (self.varied().iter())
-            .filter_map(|name| match cell.key.parameters.get(name)? {
-                Value::String(word) => Some(format!("{name}={word}")),
-                value => Some(format!("{name}={value}")),
-            })
-            .collect();
-        parts.join(" ")
-    }
-
     /// The cell of this key, if it is finished.
     pub fn finished(&self, key: &CellKey) -> Option<&Cell> {
         self.cells.iter().find(|cell| cell.key.is(key))

@@ -239,7 +239,7 @@ fn pieces_with_other_rays_or_the_same_cells_are_refused() {
         .refuses(&[
             "afra2012.json",
             "both.json",
-            "tiny primary 8x8 afra2012",
+            "tiny/primary/8x8/1/afra2012",
             "give each file once",
         ]);
     let mut other = folder.json("nabata2013.json");
@@ -250,7 +250,7 @@ fn pieces_with_other_rays_or_the_same_cells_are_refused() {
         .refuses(&[
             "other.json",
             "other rays than afra2012.json",
-            "tiny primary 8x8",
+            "tiny/primary/8x8/1",
         ]);
     assert!(!folder.path("twice.json").exists() && !folder.path("rays.json").exists());
 }

@@ -423,6 +423,20 @@ fn what_slows_all_methods_is_found_only_if_it_is_much() {
     assert_eq!(comparison.count(Grade::Regression), 6);
 }
 
+/// Where there is nothing else to judge by.
+#[test]
+fn the_only_method_of_a_batch_is_held_against_embree() {
+    let only = |factor| {
+        changed(|d| {
+            d.cells.retain(|cell| cell.key.method == "nabata2013");
+            d.cells.iter_mut().for_each(|cell| scaled(cell, factor));
+        })
+    };
+    let slower = compared(&only(1.0), &only(1.3));
+    assert_eq!(slower.count(Grade::Regression), only(1.0).cells.len());
+    assert_eq!(findings(&compared(&only(1.0), &only(1.15))), []);
+}
+
 #[test]
 fn times_of_another_machine_are_only_shown() {
     let slower = |change: fn(&mut Document)| {

@@ -55,6 +55,15 @@ impl<'a> Names<'a> {
             method,
             ..
         } = key;
+        let label = match self.label(key, ",") {
+            label if label.is_empty() => label,
+            label => format!("[{label}]"),
+        };
+        format!("{scene}{camera}/{rays}/{width}x{height}/{spp}/{method}{label}")
+    }
+
+    /// What tells the cell from others of its method and batch, such as `samples=50`; may be empty.
+    pub fn label(&self, key: &CellKey, separator: &str) -> String {
         let values = values(key);
         let varied = self.varied.get(&group(key)).into_iter().flatten();
         let parts: Vec<String> = varied
@@ -65,11 +74,7 @@ impl<'a> Names<'a> {
                 })
             })
             .collect();
-        let parameters = match parts.is_empty() {
-            true => String::new(),
-            false => format!("[{}]", parts.join(",")),
-        };
-        format!("{scene}{camera}/{rays}/{width}x{height}/{spp}/{method}{parameters}")
+        parts.join(separator)
     }
 }
 

@@ -11,7 +11,8 @@
 //! - or if both ratios to Embree say so by more than [`FAR_SLACK`]: what slows all methods alike
 //!   shows nowhere else. Our methods stream through memory, which other users of the last-level
 //!   cache slow down and Embree's small trees hardly feel: two runs of one commit, hours apart on a
-//!   quiet machine, had ratios 0.80 apart. Hence the large slack.
+//!   quiet machine, had ratios 0.80 apart. Hence the large slack. Where a batch has one method
+//!   only, it is [`LONE_SLACK`], for nothing else is there to judge by.
 //!
 //! A ratio says so if its whole interval does and the ratio of the least times does, too, which
 //! disturbances hardly reach. The interval of a quotient is a bootstrap from a pool of the
@@ -34,6 +35,8 @@ use std::fmt;
 pub const SLACK: f64 = 0.05;
 /// By how much the ratios to Embree must have changed where other methods tell nothing.
 pub const FAR_SLACK: f64 = 0.4;
+/// The same where there is no other method in the batch: nothing else could tell.
+pub const LONE_SLACK: f64 = 0.2;
 /// Share of the resamples within an interval. There are many cells in a file, and many files a day:
 /// 95 % would be wrong too often.
 pub const CONFIDENCE: f64 = 0.98;
@@ -175,7 +178,11 @@ fn grade(methods: &[&Quotient], embree: &[&Quotient], to_baseline: bool) -> Grad
     };
     let says = |changed: &dyn Fn(&Quotient, f64) -> bool| {
         let clear = |q: &Quotient| changed(q, SLACK);
-        let far = |q: &Quotient| changed(q, FAR_SLACK);
+        let far_slack = match methods.is_empty() {
+            true => LONE_SLACK,
+            false => FAR_SLACK,
+        };
+        let far = |q: &Quotient| changed(q, far_slack);
         let each = enough && all(methods, &clear) && all(embree, &clear);
         each || (!embree.is_empty() && all(embree, &far))
     };

@@ -11,6 +11,7 @@ use super::Verdict;
 use super::args::TableArgs;
 use super::text::print;
 use anyhow::{Context, ensure};
+use dacrt_validate::compare::Names;
 use dacrt_validate::results::{Cell, Document};
 
 /// Prints what was asked for.
@@ -33,9 +34,12 @@ fn whole(document: &Document) -> String {
     let cells = &document.cells;
     let size = |cell: &Cell| (cell.key.resolution, cell.key.spp);
     let mut report = Report::new(cells.iter().any(|c| size(c) != size(&cells[0])));
+    let names = Names::of(&[document]);
     let mut text = String::new();
     for batch in cells.chunk_by(|a, b| a.key.batch() == b.key.batch()) {
-        let labels: Vec<String> = batch.iter().map(|cell| document.label(cell)).collect();
+        let labels: Vec<String> = (batch.iter())
+            .map(|cell| names.label(&cell.key, " "))
+            .collect();
         text += &report.section(batch, &labels);
     }
     text + &report.end()
