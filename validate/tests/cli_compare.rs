@@ -106,7 +106,7 @@ fn instruction_sets_give_the_same_hits_and_counters() {
 fn each_damage_is_found_in_its_cell() {
     type Damage = fn(&mut Value);
     let damages: [(Damage, &[&str]); 7] = [
-        (more_ray_box, &["counters.ray_box", "WORSE", "+0."]),
+        (more_ray_box, &["counters.ray_box", "REGRESSION", "+0."]),
         (slower, &["speed / afra2012", "x 0.769 [0.", "Embree trace"]),
         (
             |d| nabata(d)["hit_hash"] = "0123456789abcdef".into(),

@@ -74,7 +74,7 @@ pub struct CellComparison {
     pub name: String,
     /// The gravest of what was found.
     pub grade: Grade,
-    /// What is not the same, times aside.
+    /// What is not the same, times aside; the gravest first.
     pub findings: Vec<Finding>,
     /// How the times compare; `None` if one file has none.
     pub speed: Option<Speed>,
@@ -176,6 +176,8 @@ pub fn compare(
         let judged = comparison.counters_not_judged.is_none();
         findings.extend(counters::findings(a, b, &options.tolerances, judged));
         findings.extend(shown(a, b));
+        // The gravest first; what is as grave stays in its order.
+        findings.sort_by_key(|finding| std::cmp::Reverse(finding.grade));
         let speed = times::speed(
             (reference, a),
             (new, b),

@@ -141,12 +141,13 @@ pub(super) fn speed(
             Some((Against::Cell(names.name(&x.key)), x, y))
         }),
     };
-    let mut ratios_before = before.against_embree();
-    let mut ratios_after = after.against_embree();
+    let (mut ratios_before, mut ratios_after) = (Vec::new(), Vec::new());
     if let Some((against, x, y)) = other {
         ratios_before.extend(before.against_cell(against.clone(), x));
         ratios_after.extend(after.against_cell(against, y));
     }
+    ratios_before.extend(before.against_embree());
+    ratios_after.extend(after.against_embree());
     let quotients: Vec<Quotient> = (ratios_before.iter())
         .filter_map(|x| {
             let same = ratios_after.iter().find(|y| y.against == x.against);

@@ -34,7 +34,12 @@ pub fn table(report: &Report) -> String {
             let rows = words::rows(cell).into_iter();
             let rows: Vec<Vec<String>> = rows
                 .map(|[what, before, after, change]| {
-                    vec![format!("    {what}"), before, format!("-> {after}"), change]
+                    vec![
+                        format!("    {}", shortened(&what)),
+                        before,
+                        format!("-> {after}"),
+                        change,
+                    ]
                 })
                 .collect();
             text += &columns(&rows, &[1]);
@@ -50,6 +55,15 @@ pub fn table(report: &Report) -> String {
         text.extend(names.iter().map(|name| wrapped(name, "", ",")));
     }
     format!("{text}\n{}\n", words::counts(comparison))
+}
+
+/// What was found, cut to what leaves room for figures: it may have the name of a cell in it.
+fn shortened(what: &str) -> String {
+    const MOST: usize = 40;
+    match what.char_indices().nth(MOST) {
+        None => what.to_owned(),
+        Some((end, _)) => format!("{}…", &what[..end]),
+    }
 }
 
 /// Lines of at most [`WIDTH`] columns, broken behind a separator, `indent` before each and four

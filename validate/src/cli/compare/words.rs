@@ -31,22 +31,22 @@ fn finding(finding: &Finding) -> Row {
         (Some(a), Some(b)) if a > 0 => share((b as f64 - a as f64) / a as f64),
         _ => String::new(),
     };
-    let grade = match finding.grade {
-        Grade::Improvement => " better",
-        Grade::Regression => " WORSE",
-        _ => "",
-    };
-    // A changed hash is neither better nor worse to the eye.
-    let grade = match finding.what.starts_with("counters.") {
-        true => grade,
-        false => "",
-    };
     [
         finding.what.clone(),
         value(&finding.reference),
         value(&finding.new),
-        format!("{change}{grade}").trim_start().to_owned(),
+        graded(change, finding.grade),
     ]
+}
+
+/// How much something has changed, and whether that is for better or worse.
+fn graded(change: String, grade: Grade) -> String {
+    let grade = match grade {
+        Grade::Regression => "REGRESSION",
+        Grade::Improvement => "better",
+        Grade::Changed | Grade::Same => "",
+    };
+    format!("{change} {grade}").trim().to_owned()
 }
 
 fn speed(speed: &Speed) -> Vec<Row> {
@@ -57,7 +57,7 @@ fn speed(speed: &Speed) -> Vec<Row> {
                 format!("speed / {}", q.against),
                 figure(q.reference),
                 figure(q.new),
-                quotient(q),
+                graded(quotient(q), speed.grade),
             ]
         })
         .collect()
