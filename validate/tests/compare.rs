@@ -532,7 +532,7 @@ fn cells_that_did_not_take_turns_are_not_set_against_each_other() {
     let new = changed(|d| {
         let embree = d.cells[1].embree.as_mut().unwrap();
         embree.samples_ms.get_mut("high_16").unwrap()[0] += 1e-9;
-        scaled(&mut d.cells[1], 1.3);
+        scaled(&mut d.cells[1], 1.1);
     });
     let comparison = compared(&document(), &new);
     assert_eq!(findings(&comparison), []);
