@@ -163,7 +163,10 @@ pub fn compare(
         .or_else(|| differs("machine.isa", &reference.machine.isa, &new.machine.isa))
         .or_else(|| differs("threads", &threads[0], &threads[1])),
         embree_not_judged: match (&reference.software.embree, &new.software.embree) {
-            (Some(a), Some(b)) if a == b => None,
+            // Its approximate reciprocals are the processor's.
+            (Some(a), Some(b)) if a == b => {
+                differs("machine.cpu", &reference.machine.cpu, &new.machine.cpu)
+            }
             (None, None) => Some("neither file has an Embree".to_owned()),
             _ => differs("software.embree", &embree[0], &embree[1]),
         },
