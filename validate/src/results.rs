@@ -220,8 +220,8 @@ pub enum ResultError {
     },
     /// Damaged gzip.
     #[error(
-        "{}: is damaged: its gzip ends in error after {byte} bytes of text: {source}; make or copy \
-         it anew",
+        "{}: is damaged, make or copy it anew: its gzip ends in error after {byte} bytes of text: \
+         {source}",
         path.display()
     )]
     Gzip {
@@ -234,7 +234,7 @@ pub enum ResultError {
     },
     /// Not JSON, or not the JSON of a result.
     #[error(
-        "{}: is not a result file: {source}; result files are written by `dacrt run`",
+        "{}: is not a result file as `dacrt run` writes it: {source}",
         path.display()
     )]
     Json {

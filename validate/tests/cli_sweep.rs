@@ -396,6 +396,29 @@ fn a_file_that_is_not_of_the_sweep_is_kept() {
 }
 
 #[test]
+fn many_values_take_several_tables() {
+    let folder = folder();
+    let bins: Vec<String> = (2..22).map(|n| n.to_string()).collect();
+    folder
+        .dacrt(&format!(
+            "run --scenes ./tiny.json --resolution 8 --rays primary --methods afra2012 \
+             --repeats 1 --out r.json --bins {}",
+            bins.join(",")
+        ))
+        .exits(0);
+    let text = folder.dacrt("table r.json --over bins").exits(0).stdout();
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 100),
+        "{text}"
+    );
+    let heads = text.lines().filter(|line| line.starts_with("bins "));
+    let heads: Vec<&str> = heads
+        .flat_map(|line| line.split_whitespace().skip(1))
+        .collect();
+    assert_eq!(heads, bins);
+}
+
+#[test]
 fn tables_of_a_result_file() {
     let folder = folder();
     let run = "run --scenes ./tiny.json,./other.json --resolution 8 --rays primary,diffuse-1 \

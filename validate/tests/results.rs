@@ -208,7 +208,7 @@ fn wrong_files_say_what_and_where() {
     let cases: Vec<(Vec<u8>, &str)> = vec![
         (
             b"{\n".to_vec(),
-            "r.json: is not a result file: EOF while parsing an object at line 2",
+            "r.json: is not a result file as `dacrt run` writes it: EOF while parsing an object at line 2",
         ),
         (text.as_bytes()[..text.len() / 2].to_vec(), "at line "),
         (b"{}".to_vec(), "missing field `schema`"),
@@ -222,7 +222,7 @@ fn wrong_files_say_what_and_where() {
         ),
         (
             vec![0x1f, 0x8b, 8, 0, 1, 2],
-            "r.json: is damaged: its gzip ends in error after 0 bytes",
+            "r.json: is damaged, make or copy it anew: its gzip ends in error after 0 bytes",
         ),
         (vec![0xff; 50], "is not a result file"),
     ];

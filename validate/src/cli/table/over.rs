@@ -192,15 +192,23 @@ fn table(cells: &[&Cell], corner: &str, heads: &[String], entries: &Entries) -> 
         format!("{} {} {width}x{height}{spp}", key.scene, key.rays)
     };
     let labels: Vec<String> = batches.iter().map(|key| label(key)).collect();
-    let longest = |texts: &[String]| texts.iter().map(|t| t.chars().count()).max().unwrap_or(0);
-    let label_width = longest(&labels)
-        .max(corner.len())
-        .max("geometric mean".len());
-    let column_width = longest(heads).max("10.00<".len()) + 2;
-    let at_a_time = ((WIDTH.saturating_sub(label_width)) / column_width).max(1);
+    let width = |text: &str| text.chars().count();
+    let label_width = (labels.iter().map(|label| width(label)))
+        .chain([width(corner), width("geometric mean")])
+        .max()
+        .unwrap_or(0);
+    // With two spaces between, and room for a mark.
+    let column_width = |head: &String| 2 + (width(head) + 1).max(width("10.00<"));
     let mut parts = Vec::new();
-    for first in (0..heads.len()).step_by(at_a_time) {
-        let these = first..(first + at_a_time).min(heads.len());
+    let mut first = 0;
+    while first < heads.len() {
+        let mut line = label_width;
+        let fits = heads[first..].iter().take_while(|head| {
+            line += column_width(head);
+            line <= WIDTH
+        });
+        let these = first..first + fits.count().max(1);
+        first = these.end;
         let mut rows = vec![vec![corner.to_owned()]];
         // Flush with the digits: the marks stick out.
         rows[0].extend(heads[these.clone()].iter().map(|head| format!("{head} ")));
