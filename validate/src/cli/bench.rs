@@ -3,7 +3,7 @@
 use super::Verdict;
 use super::args::{Bench, BenchArgs};
 use super::plan::{check_writable, distinct, isa};
-use super::run::Progress;
+use super::progress::Progress;
 use super::text::{columns, complain, print};
 use anyhow::Context;
 use dacrt::Isa;

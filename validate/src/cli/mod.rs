@@ -11,6 +11,7 @@ mod merge;
 mod paper;
 mod picture;
 mod plan;
+mod progress;
 mod render;
 mod run;
 mod scenes;
@@ -22,6 +23,7 @@ mod source;
 mod sweep;
 mod table;
 mod text;
+mod time_to_go;
 mod trace;
 
 use args::{Cli, Command};

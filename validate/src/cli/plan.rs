@@ -3,7 +3,7 @@
 
 use super::args::{EngineArgs, RunArgs};
 use super::knobs::KnobLists;
-use super::run::Progress;
+use super::progress::Progress;
 use super::size::{Resolution, Spp};
 use super::source::{SceneSource, View, mesh_folders};
 use super::text::thousands;

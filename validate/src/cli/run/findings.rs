@@ -1,8 +1,8 @@
 //! What is wrong in a run: wrong hits, and methods that disagree.
 
-use super::Progress;
 use super::cells::BatchKey;
 use crate::cli::Verdict;
+use crate::cli::progress::Progress;
 use dacrt_validate::results::Cell;
 
 /// What was found so far.

@@ -4,13 +4,12 @@ mod answers;
 mod cells;
 mod contest;
 mod findings;
-mod progress;
 mod reference;
-mod time_to_go;
 
 use super::args::RunArgs;
 use super::engine::{Engine, Workspaces};
 use super::plan::{Round, RunPlan, SceneJob};
+use super::progress::Progress;
 use super::source::View;
 use super::table::Report;
 use super::text::print;
@@ -32,7 +31,6 @@ use reference::Reference;
 
 pub use cells::BatchKey;
 pub use findings::Findings;
-pub use progress::Progress;
 
 /// Does the whole job; a finding is a wrong hit.
 pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {

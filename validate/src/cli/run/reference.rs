@@ -1,6 +1,6 @@
 //! Embree's scenes of one mesh, and what it took to build them.
 
-use super::Progress;
+use crate::cli::progress::Progress;
 use dacrt::Mesh;
 use dacrt_validate::embree::{Device, Quality, Scene};
 

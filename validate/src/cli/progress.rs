@@ -1,7 +1,7 @@
 //! A progress bar at a terminal, nothing elsewhere, and warnings on standard error.
 
+use super::text;
 use super::time_to_go::TimeToGo;
-use crate::cli::text;
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::cell::{Cell, RefCell};
 use std::time::Instant;
