@@ -154,6 +154,8 @@ fn entry(cell: &Cell, ratio: impl FnOnce() -> Option<Ratio>) -> Entry {
         },
         Some(Ratio { ratio, interval }) => {
             let mark = match interval {
+                // Of one repeat.
+                [low, high] if low == high => ' ',
                 [_, high] if high < 1.0 => '<',
                 [low, _] if low > 1.0 => '>',
                 _ => ' ',
