@@ -46,11 +46,11 @@ pub const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
 /// Covers terms of second order and the rounding of float64.
 const SLACK: f64 = 1.001;
 /// Two products that underflow: 2 · 2⁻¹⁵⁰.
-const TINY: f64 = 1.0 / (1u128 << 100) as f64 / (1u64 << 49) as f64;
+pub(crate) const TINY: f64 = 1.0 / (1u128 << 100) as f64 / (1u64 << 49) as f64;
 /// Relative padding of a slab interval: near · (1 − p), far · (1 + p).
-const BOX_PADDING: f64 = dacrt::PADDING as f64;
+pub(crate) const BOX_PADDING: f64 = dacrt::PADDING as f64;
 /// Roundings in a padded slab distance (one more than there are, for the second order).
-const SLAB_ROUNDINGS: f64 = 5.0 * UNIT;
+pub(crate) const SLAB_ROUNDINGS: f64 = 5.0 * UNIT;
 
 /// Who computed a distance: decides how far from the exact one it may lie. Edges are judged by the
 /// bounds of the kernel of record, whoever answered.
@@ -166,6 +166,18 @@ impl Pair {
         }
     }
 
+    /// The least distance that the kernel of record may give.
+    pub fn earliest(&self) -> f64 {
+        // NaN if the ray is parallel to the plane: then it may be anywhere.
+        let t = self.t - self.t_bound;
+        if t.is_nan() { f64::NEG_INFINITY } else { t }
+    }
+
+    /// The greatest distance that the kernel of record may give.
+    pub fn latest(&self) -> f64 {
+        self.t + self.t_bound
+    }
+
     /// Whether the kernel of record must find this hit: inside all edges, the interval and the
     /// box by more than the bounds.
     pub fn clear(&self) -> bool {
@@ -223,7 +235,7 @@ impl Pair {
 const RECIPROCAL: f64 = 6.0;
 
 /// The cross product with every term taken as positive.
-fn abs_cross(x: DVec3, y: DVec3) -> DVec3 {
+pub(crate) fn abs_cross(x: DVec3, y: DVec3) -> DVec3 {
     let (x, y) = (x.abs(), y.abs());
     DVec3::new(
         x.y * y.z + x.z * y.y,

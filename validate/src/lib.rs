@@ -5,6 +5,7 @@ pub mod bounds;
 pub mod compare;
 pub mod diff;
 pub mod embree;
+pub mod exact;
 pub mod hash;
 pub mod json_float;
 pub mod judge;
