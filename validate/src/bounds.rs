@@ -36,7 +36,7 @@
 //! them already) and for the rounding of float64, 2⁻²⁹ of ours. Gradual underflow adds an absolute
 //! error of at most 2⁻¹⁵⁰ a product. An fma only leaves roundings out. Float64 itself neither
 //! overflows nor underflows: products of four float32 numbers stay within 10^±180. Where float32
-//! would overflow there is no bound; [`crate::judge`] leaves such rays out.
+//! would overflow there is no bound; [`crate::judge`] holds nothing against such rays.
 
 use dacrt::{Ray, Triangle};
 use glam::DVec3;

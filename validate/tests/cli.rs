@@ -151,7 +151,7 @@ fn run_measures_and_writes_every_cell() {
         // The baseline with its defaults is not in this run.
         assert_eq!(cell["acceleration_ratio"].is_null(), of_mora);
         assert!(cell["ratio_embree_total"].as_f64().unwrap() > 0.0);
-        assert_eq!(cell["diff"]["unexplained"], 0);
+        assert_eq!(cell["diff"]["exact"]["ours_wrong"], 0);
         assert_eq!(cell["embree"]["build_ms"].as_object().unwrap().len(), 3);
         assert_eq!(cell["embree"]["trace_ms"].as_object().unwrap().len(), 9);
         let same_rays = cells.iter().filter(|c| c["ray_hash"] == cell["ray_hash"]);
@@ -254,7 +254,7 @@ fn the_printed_rule_of_termination_has_its_wrong_rays_counted() {
     let printed = &cells[2];
     assert_eq!(printed["parameters"]["terminate_as_printed"], true);
     let wrong = printed["printed_rule_wrong"].as_u64().unwrap();
-    assert!(wrong > 0 && printed["diff"]["unexplained"].as_u64().unwrap() > 0);
+    assert!(wrong > 0 && printed["diff"]["exact"]["ours_wrong"].as_u64().unwrap() > 0);
     assert!(printed["median_ms"].is_null());
     let line = format!("wrong by the printed rule: {wrong} of 4,096 rays\n");
     assert_eq!(text.matches(&line).count(), 1, "{text}");
@@ -290,7 +290,7 @@ fn a_wrong_hit_is_a_finding() {
         ] {
             cell[key] = serde_json::Value::Null;
         }
-        cell["diff"]["unexplained"] = 3.into();
+        cell["diff"]["exact"]["ours_wrong"] = 3.into();
     });
     let text = wrong.exits(1).stdout();
     assert!(text.contains("WRONG") && text.contains("FINDING"), "{text}");

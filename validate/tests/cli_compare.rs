@@ -117,12 +117,12 @@ fn each_damage_is_found_in_its_cell() {
             &["diff.embree_robust.tie", "-> 99"],
         ),
         (
-            |d| nabata(d)["diff"]["unexplained"] = 1.into(),
-            &["diff.unexplained", "0  -> 1"],
+            |d| nabata(d)["diff"]["not_judged"] = 1.into(),
+            &["diff.not_judged", "0  -> 1"],
         ),
         (
-            |d| nabata(d)["diff"]["embree_fast"]["unexplained"] = 1.into(),
-            &["diff.embree_fast.unexplained"],
+            |d| nabata(d)["diff"]["embree_fast"]["ours_wrong"] = 1.into(),
+            &["diff.embree_fast.ours_wrong"],
         ),
         (
             |d| nabata(d)["samples_ms"] = Value::Null,

@@ -60,7 +60,7 @@ fn figure_8_is_measured_and_printed() {
         let [basic, cones, light] = cells else {
             panic!()
         };
-        assert_eq!(basic["diff"]["unexplained"], 0);
+        assert_eq!(basic["diff"]["exact"]["ours_wrong"], 0);
         let count = |cell: &Value, key: &str| cell["counters"][key].as_f64().unwrap();
         let ms = |cell: &Value| cell["median_ms"].as_f64().unwrap();
         let near = |printed: f64, exact: f64| {

@@ -4,7 +4,7 @@ use dacrt::Method;
 use dacrt_validate::compare::{
     Against, CompareError, Comparison, Grade, Names, Options, Tolerances, compare,
 };
-use dacrt_validate::diff::{Diff, ReferenceDiff};
+use dacrt_validate::diff::{Diff, ExactDiff, ReferenceDiff};
 use dacrt_validate::machine::{Embree, Machine, Software};
 use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{Cell, CellKey, Document, EmbreeTimes, SCHEMA};
@@ -74,7 +74,8 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
             judged: 100,
             judged_random: 99,
             out_of_range: 0,
-            unexplained: 0,
+            not_judged: Some(0),
+            unexplained: None,
             offending: vec![],
         },
         printed_rule_wrong: None,
@@ -214,11 +215,8 @@ fn every_committed_result_is_like_itself() {
 fn other_hits_are_a_regression() {
     let hash = |c: &mut Cell| c.hit_hash = "others".into();
     assert_eq!(found(hash), one("hit_hash", Grade::Regression));
-    let unexplained = |c: &mut Cell| c.diff.unexplained = 1;
-    assert_eq!(
-        found(unexplained),
-        one("diff.unexplained", Grade::Regression)
-    );
+    let not_judged = |c: &mut Cell| c.diff.not_judged = Some(1);
+    assert_eq!(found(not_judged), one("diff.not_judged", Grade::Regression));
     let tie = |c: &mut Cell| c.diff.embree_robust.tie = 2;
     assert_eq!(found(tie), one("diff.embree_robust.tie", Grade::Regression));
     // Fewer are a change as well: `--accept` is for it.
@@ -236,7 +234,16 @@ fn classes_that_are_null_are_unknown_and_not_judged() {
         changed(|d| {
             let cell = &mut d.cells[1];
             cell.diff.embree_fast.ours_wrong = Some(ours_wrong);
-            cell.diff.exact = Some(json!({ "both_wrong": exact, "edge": null, "rays": exact }));
+            cell.diff.unexplained = Some(exact);
+            cell.diff.exact = Some(ExactDiff {
+                rays: exact,
+                classes: ReferenceDiff {
+                    // Of more rays there are more.
+                    same: exact,
+                    both_wrong: Some(exact),
+                    ..ReferenceDiff::default()
+                },
+            });
             cell.printed_rule_wrong = Some(exact);
         })
     };
@@ -247,10 +254,18 @@ fn classes_that_are_null_are_unknown_and_not_judged() {
         [
             "diff.embree_fast.ours_wrong",
             "diff.exact.both_wrong",
-            "printed_rule_wrong"
+            "diff.unexplained",
+            "printed_rule_wrong",
+            "diff.exact.same"
         ]
     );
-    assert!(all.iter().all(|(.., grade)| *grade == Grade::Regression));
+    for (_, what, grade) in &all {
+        let expected = match &**what {
+            "diff.exact.same" => Grade::Changed,
+            _ => Grade::Regression,
+        };
+        assert_eq!(*grade, expected, "{what}");
+    }
 }
 
 #[test]
@@ -272,7 +287,7 @@ fn what_another_embree_answers_is_only_shown() {
     // Our own hits are judged all the same.
     let new = changed(|d| {
         d.software.embree = None;
-        d.cells[1].diff.embree_fast.unexplained = 2;
+        d.cells[1].diff.not_judged = Some(2);
     });
     assert_eq!(compared(&document(), &new).grade, Grade::Regression);
 }

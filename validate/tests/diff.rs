@@ -5,7 +5,7 @@ mod common;
 use common::{Form, any, nearest, rays, soup};
 use dacrt::MISS;
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
-use dacrt_validate::diff::{Checker, Diff, ReferenceDiff};
+use dacrt_validate::diff::{Checker, Diff, MOST_JUDGED, ReferenceDiff};
 use dacrt_validate::hash::hit_hash;
 use dacrt_validate::judge::{Answer, Answers, Judge, Verdict};
 use fastrand::Rng;
@@ -14,11 +14,20 @@ use glam::Vec3;
 /// Ours against two references.
 fn diff(mesh: &Mesh, batch: &Batch, ours: Answers, fast: Answers, robust: Answers) -> Diff {
     let judge = Judge::new(mesh);
-    Checker::new(&judge, batch, fast, robust, 1).check(ours, &hit_hash(&ours))
+    Checker::new(&judge, batch, fast, robust, 1000, 1).check(ours, &hit_hash(&ours))
 }
 
 fn total(diff: &ReferenceDiff) -> u64 {
-    diff.same + diff.tie + diff.differing
+    let known = [
+        diff.t_drift,
+        diff.edge,
+        diff.ours_wrong,
+        diff.reference_wrong,
+        diff.both_wrong,
+    ];
+    let differing: u64 = known.into_iter().flatten().sum();
+    assert_eq!(differing, diff.differing, "{diff:?}");
+    diff.same + diff.tie + differing
 }
 
 /// A scene whose rays often meet two triangles at once: shared edges, duplicates.
@@ -42,21 +51,23 @@ fn three_forms_of_the_kernel_explain_each_other() {
     for part in [&diff.embree_fast, &diff.embree_robust] {
         assert_eq!(total(part), 3000);
         assert!(part.same > 2900, "{part:?}");
-        assert_eq!(part.unexplained, 0);
+        assert_eq!((part.wrong(), part.unexplained), (0, None));
+        // The bounds hold for all forms, as if all were the kernel of record.
+        assert_eq!(part.reference_wrong, Some(0), "{part:?}");
         let (max, p999) = (part.max_relative_t_error, part.p999_relative_t_error);
         assert!(
             p999 <= max && max < Some(1e-2) && p999 < Some(1e-3),
             "{max:?} {p999:?}"
         );
-        // What needs exact arithmetic is not there yet.
-        assert_eq!(
-            (part.edge, part.ours_wrong, part.t_drift),
-            (None, None, None)
-        );
     }
-    assert_eq!((diff.unexplained, diff.judged_random), (0, 1000));
+    assert_eq!((diff.wrong(), diff.judged_random), (0, 1000));
     assert!(diff.judged >= 1000 && diff.offending.is_empty());
-    assert!(!diff.is_finding(&mesh));
+    let exact = diff.exact.unwrap();
+    assert_eq!(
+        (exact.rays, total(&exact.classes)),
+        (diff.judged, exact.rays)
+    );
+    assert!(exact.classes.same > 950 && exact.classes.p999_relative_t_error < Some(1e-3));
 }
 
 #[test]
@@ -95,10 +106,10 @@ fn a_coplanar_neighbour_is_no_tie() {
     assert_eq!(
         (
             diff.embree_fast.tie,
-            diff.embree_fast.unexplained,
-            diff.unexplained
+            diff.embree_fast.ours_wrong,
+            diff.wrong()
         ),
-        (0, 1, 1)
+        (0, Some(1), 1)
     );
 }
 
@@ -118,8 +129,8 @@ fn wrong_answers_are_findings_ready_for_replay() {
     let diff = diff(&mesh, &batch, of(&ours), of(&right), of(&right));
     assert_eq!(diff.embree_fast.differing, 300);
     // A few may be at edges, where either answer can be defended.
-    assert!(diff.unexplained >= 298 && diff.embree_robust.unexplained >= 298);
-    assert!(diff.is_finding(&mesh));
+    assert!(diff.wrong() >= 298 && diff.embree_robust.ours_wrong >= Some(298));
+    assert_eq!(total(&diff.embree_robust), 3000);
     assert_eq!(diff.offending.len(), 100);
     let first = &diff.offending[0];
     assert_eq!(first.index as usize, lost[0]);
@@ -144,10 +155,10 @@ fn random_rays_catch_what_no_reference_shows() {
     let of = Answers::Nearest;
     let diff = diff(&mesh, &batch, of(&wrong), of(&wrong), of(&wrong));
     assert_eq!(
-        (diff.differing, diff.judged, diff.embree_fast.unexplained),
+        (diff.differing, diff.judged, diff.embree_fast.wrong()),
         (0, 1000, 0)
     );
-    assert!(diff.unexplained > 300 && diff.is_finding(&mesh));
+    assert!(diff.wrong() > 300 && diff.exact.unwrap().classes.ours_wrong > Some(300));
 }
 
 #[test]
@@ -161,7 +172,7 @@ fn occlusion_is_compared_alone() {
     let of = Answers::Any;
     let diff = diff(&mesh, &batch, of(&ours), of(&right), of(&right));
     assert_eq!((diff.embree_fast.same, diff.embree_fast.tie), (2998, 0));
-    assert_eq!((diff.embree_fast.unexplained, diff.unexplained), (2, 2));
+    assert_eq!((diff.embree_fast.ours_wrong, diff.wrong()), (Some(2), 2));
     assert_eq!(diff.embree_fast.max_relative_t_error, None);
 }
 
@@ -172,7 +183,7 @@ fn equal_hits_are_judged_once() {
     let misses = Hits::misses(batch.len());
     let judge = Judge::new(&mesh);
     let of = Answers::Nearest;
-    let mut checker = Checker::new(&judge, &batch, of(&hits), of(&hits), 1);
+    let mut checker = Checker::new(&judge, &batch, of(&hits), of(&hits), 1000, 1);
     let diff = checker.check(of(&hits), "a");
     // Known by its hash, so what is given with it is not looked at.
     assert_eq!(checker.check(of(&misses), "a"), diff);
@@ -185,6 +196,180 @@ fn an_empty_batch_is_fine() {
     let (batch, hits) = (Batch::default(), Hits::default());
     let of = Answers::Nearest;
     let diff = diff(&mesh, &batch, of(&hits), of(&hits), of(&hits));
-    assert_eq!((diff.judged, diff.unexplained), (0, 0));
+    assert_eq!((diff.judged, diff.wrong()), (0, 0));
     assert_eq!(diff.embree_fast.p999_relative_t_error, None);
+}
+
+/// One triangle at t = 2 and one at t = 3 behind it, and a ray through both.
+fn one_ray() -> (Mesh, Batch) {
+    let at = |z: f32| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + z * Vec3::Z);
+    let triangles = [at(0.0), at(1.0)].map(|[a, b, c]| Triangle::new(a, b, c));
+    let ray = Ray::new(Vec3::new(0.25, 0.25, -2.0), Vec3::Z);
+    (Mesh::new(triangles.into()), std::iter::once(ray).collect())
+}
+
+/// The class of ours against the default mode, and against exact arithmetic.
+fn classes(
+    mesh: &Mesh,
+    batch: &Batch,
+    ours: (f32, u32),
+    reference: (f32, u32),
+) -> [&'static str; 2] {
+    let hit = |(t, prim)| Hits {
+        t: vec![t],
+        prim: vec![prim],
+    };
+    let (ours, reference) = (hit(ours), hit(reference));
+    let of = Answers::Nearest;
+    let diff = diff(mesh, batch, of(&ours), of(&reference), of(&ours));
+    let class = |part: &ReferenceDiff| {
+        assert_eq!(total(part), 1);
+        [
+            ("same", Some(part.same)),
+            ("t_drift", part.t_drift),
+            ("tie", Some(part.tie)),
+            ("edge", part.edge),
+            ("ours_wrong", part.ours_wrong),
+            ("reference_wrong", part.reference_wrong),
+            ("both_wrong", part.both_wrong),
+        ]
+        .into_iter()
+        .find(|(_, n)| *n == Some(1))
+        .unwrap()
+        .0
+    };
+    [
+        class(&diff.embree_fast),
+        class(&diff.exact.unwrap().classes),
+    ]
+}
+
+#[test]
+fn every_class_is_what_exact_arithmetic_says() {
+    let (mesh, batch) = one_ray();
+    let (right, behind, miss) = ((2.0, 0), (3.0, 1), (f32::INFINITY, MISS));
+    let of = |ours, reference| classes(&mesh, &batch, ours, reference);
+    assert_eq!(of(right, right), ["same", "same"]);
+    assert_eq!(of(right, (2.001, 0)), ["reference_wrong", "same"]);
+    assert_eq!(of((2.001, 0), right), ["t_drift", "t_drift"]);
+    assert_eq!(of((2.001, 0), miss), ["both_wrong", "t_drift"]);
+    // The right distance, to the wrong triangle; and one that both believe in.
+    assert_eq!(of((3.1, 1), behind), ["t_drift", "ours_wrong"]);
+    assert_eq!(of(behind, behind), ["same", "ours_wrong"]);
+    for wrong in [behind, miss, (2.0, 7), (f32::NAN, 0)] {
+        assert_eq!(of(right, wrong)[0], "reference_wrong", "{wrong:?}");
+        if !wrong.0.is_nan() {
+            assert_eq!(of(wrong, right), ["ours_wrong"; 2], "{wrong:?}");
+        }
+    }
+    assert_eq!(of(behind, miss), ["both_wrong", "ours_wrong"]);
+}
+
+/// Meets the edge x = 0 of the first triangle of [`one_ray`], or passes it by a last digit of its
+/// origin, less than float32 can tell; and then the second triangle, far from its edges.
+fn at_the_edge(side: f32) -> Batch {
+    let d = Vec3::new(0.3, 0.4, 1.0);
+    let mut ray = Ray::new(Vec3::new(0.0, 0.25, 0.0) - 2.0 * d, d);
+    ray.origin.x += side * 2.0_f32.powi(-24);
+    assert_eq!(ray.origin.x + 2.0 * d.x, side * 2.0_f32.powi(-24));
+    std::iter::once(ray).collect()
+}
+
+/// Hit and miss, near and far are both defensible, whichever side the ray passes by.
+#[test]
+fn at_an_edge_either_answer_is_defensible() {
+    let (both, _) = one_ray();
+    let first = Mesh::new(both.triangles()[..1].to_vec());
+    let near = (2.0, 0);
+    for (mesh, other) in [(&both, (3.0, 1)), (&first, (f32::INFINITY, MISS))] {
+        for (side, exact) in [(1.0, near), (0.0, near), (-1.0, other)] {
+            let batch = at_the_edge(side);
+            for (ours, reference) in [(near, other), (other, near)] {
+                let in_exact = if ours == exact { "same" } else { "edge" };
+                let found = classes(mesh, &batch, ours, reference);
+                assert_eq!(found, ["edge", in_exact], "{side} {ours:?} {reference:?}");
+            }
+        }
+    }
+}
+
+/// Float32 may miss the first triangle, but not the second one, too.
+#[test]
+fn the_certain_hit_behind_an_uncertain_one_must_be_found() {
+    let (mesh, _) = one_ray();
+    let (near, far, miss) = ((2.0, 0), (3.0, 1), (f32::INFINITY, MISS));
+    for (side, exact) in [(1.0, near), (0.0, near), (-1.0, far)] {
+        let batch = at_the_edge(side);
+        let classes = |ours, reference| classes(&mesh, &batch, ours, reference);
+        for other in [near, far] {
+            assert_eq!(classes(miss, other), ["ours_wrong"; 2], "{side} {other:?}");
+            let in_exact = if other == exact { "same" } else { "edge" };
+            assert_eq!(
+                classes(other, miss),
+                ["reference_wrong", in_exact],
+                "{side} {other:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn at_the_ends_of_the_interval_either_answer_is_defensible() {
+    let (both, batch) = one_ray();
+    let mesh = Mesh::new(both.triangles()[..1].to_vec());
+    let (near, miss) = ((2.0, 0), (f32::INFINITY, MISS));
+    let up_to = |tmax, ours, reference| {
+        let ray = Ray {
+            tmax,
+            ..batch.ray(0)
+        };
+        classes(&mesh, &std::iter::once(ray).collect(), ours, reference)
+    };
+    assert_eq!(up_to(2.0, miss, near), ["edge", "edge"]);
+    assert_eq!(up_to(2.0, near, miss), ["edge", "same"]);
+    let before = 2.0_f32.next_down();
+    assert_eq!(up_to(before, miss, near), ["edge", "same"]);
+    // Our t is beyond tmax, whatever the exact one; exact arithmetic has no hit.
+    assert_eq!(up_to(before, near, miss), ["ours_wrong", "ours_wrong"]);
+}
+
+#[test]
+fn as_many_random_rays_are_held_against_exact_arithmetic_as_one_says() {
+    let (mesh, batch) = scene(&mut Rng::with_seed(9));
+    let hits = nearest(&mesh, &batch, Form::Plain);
+    let judge = Judge::new(&mesh);
+    let of = Answers::Nearest(&hits);
+    for (wanted, judged) in [(0, 0), (17, 17), (5000, 3000)] {
+        let diff = Checker::new(&judge, &batch, of, of, wanted, 1).check(of, "");
+        let exact = diff.exact.unwrap();
+        assert_eq!((diff.judged_random, exact.rays), (judged, judged));
+        assert_eq!(total(&exact.classes), judged);
+    }
+}
+
+#[test]
+fn rays_that_are_too_many_to_judge_count_as_wrong() {
+    let (mesh, batch) = one_ray();
+    let ray = Ray {
+        direction: Vec3::X,
+        ..batch.ray(0)
+    };
+    let n = MOST_JUDGED + 7;
+    let batch: Batch = std::iter::repeat_n(ray, n).collect();
+    // The reference sees what is not there, in all but one.
+    let (ours, mut reference) = (vec![0; n], vec![1; n]);
+    reference[3] = 0;
+    let of = Answers::Any;
+    let diff = diff(&mesh, &batch, of(&ours), of(&reference), of(&ours));
+    assert_eq!(diff.differing as usize, MOST_JUDGED + 6);
+    let judged = diff.embree_fast.reference_wrong.unwrap() as usize;
+    // Some of the last ones may be among those drawn at random.
+    assert!((MOST_JUDGED..=n).contains(&judged));
+    let left = diff.not_judged.unwrap();
+    assert_eq!(left as usize, n - 1 - judged);
+    assert!(left > 0 && diff.wrong() == left && diff.offending.len() as u64 == left);
+    assert_eq!(
+        (diff.embree_robust.same as usize, diff.offending[0].verdicts),
+        (n, None)
+    );
 }

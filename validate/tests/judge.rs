@@ -16,7 +16,7 @@ fn judge(mesh: &Mesh, batch: &Batch, hits: &Hits) -> Vec<Verdict> {
     Judge::new(mesh)
         .judge(batch, &all, &[(Kernel::Fast, Answers::Nearest(hits))])
         .into_iter()
-        .map(|v| v[0])
+        .map(|judgement| judgement.verdicts[0])
         .collect()
 }
 
@@ -25,7 +25,7 @@ fn judge_any(mesh: &Mesh, batch: &Batch, occluded: &[u8]) -> Vec<Verdict> {
     Judge::new(mesh)
         .judge(batch, &all, &[(Kernel::Fast, Answers::Any(occluded))])
         .into_iter()
-        .map(|v| v[0])
+        .map(|judgement| judgement.verdicts[0])
         .collect()
 }
 

@@ -173,7 +173,7 @@ fn damaged_results_do_not_keep_to_the_schema() {
         "/cells/0/scene",
         "/cells/0/ray_hash",
         "/cells/0/median_ms",
-        "/cells/0/diff/unexplained",
+        "/cells/0/diff/differing",
         "/cells/0/embree/best_ms",
     ] {
         let document = changed(&good, place, None);

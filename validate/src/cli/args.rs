@@ -6,6 +6,7 @@ use super::shard::Shard;
 use super::size::{Resolution, Spp};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::schema::KINDS;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -144,11 +145,12 @@ Examples:
 
 The table: a line a cell, the slowest method first. `vs afra2012` is the time of afra2012 over that
 of this method with its 95 % bootstrap interval, marked `<` if all of it is below 1; `vs Embree`
-is the best time of Embree over that of this method. `diff` is two counts of rays: those whose hit
-is wrong, or cannot be shown in float64 to be right within float32 rounding, and all those on
+is the best time of Embree over that of this method. `diff` is two counts of rays: those for which
+our hit is wrong, by exact arithmetic and by more than float32 rounding explains, and all those on
 which our hits differ from either Embree mode. The first has to be 0: else the cell has no times,
 the result file has the rays (`dacrt trace --help` says how to trace them again), and the exit
-code is 1.")]
+code is 1. Exact arithmetic judges every ray on which an answer differs, up to 1,000,000 a cell
+(more count as wrong), and --exact-all others.")]
 pub struct RunArgs {
     /// Scenes to trace (see `dacrt scenes`) [default: hall,relief,soup,sibenik,conference,sponza]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
@@ -188,6 +190,15 @@ pub struct RunArgs {
         value_parser = whole(1..=1000u32)
     )]
     pub repeats: Option<u32>,
+    /// Random rays of each cell that are held against exact arithmetic, whether or not Embree agrees
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = RANDOM_RAYS,
+        allow_negative_numbers = true,
+        value_parser = whole(0..=u32::MAX)
+    )]
+    pub exact_all: u32,
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-run.json")]
     pub out: PathBuf,
@@ -458,7 +469,7 @@ Both files must be about the same rays: the same seed, and in each cell the same
 
 A regression is
 - any change of hit_hash, or of what the validation says of our own hits (ours_wrong, both_wrong,
-  t_drift, unexplained); of its other classes if both files have the same Embree; times that are
+  t_drift); of its other classes if both files have the same Embree; times that are
   gone because hits are wrong;
 - more of a counter than --tolerance allows, if both files are of one thread; more leaves,
   skips_near, skips_far and terminated_rays is none;

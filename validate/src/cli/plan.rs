@@ -78,6 +78,8 @@ pub struct Request<'a> {
 pub struct RunPlan {
     pub scenes: Vec<SceneJob>,
     pub repeats: u32,
+    /// How many random rays of a cell are judged.
+    pub exact_all: u32,
     pub engine: Engine,
     pub mesh_folders: Vec<PathBuf>,
     pub out: PathBuf,
@@ -106,6 +108,7 @@ impl RunPlan {
             repeats: args
                 .repeats
                 .unwrap_or(if args.scenes.is_some() { 5 } else { 3 }),
+            exact_all: args.exact_all,
             engine,
             mesh_folders,
             out: args.out.clone(),

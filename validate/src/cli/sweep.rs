@@ -15,6 +15,7 @@ use super::text::{counted, print};
 use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt_validate::atomic;
+use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::results::Document;
 use dacrt_validate::sweep::{Size, Sweep, SweepRun};
 use std::path::PathBuf;
@@ -82,6 +83,7 @@ fn plan(args: &SweepArgs) -> anyhow::Result<RunPlan> {
     Ok(RunPlan {
         scenes,
         repeats: args.repeats,
+        exact_all: RANDOM_RAYS,
         engine,
         mesh_folders,
         out,

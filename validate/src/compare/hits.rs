@@ -6,7 +6,8 @@ use serde_json::Value;
 
 /// Classes that depend on our hits alone.
 const EXACT: [&str; 4] = ["ours_wrong", "both_wrong", "t_drift", "unexplained"];
-/// Classes that depend on what Embree answers.
+/// Classes that depend on what Embree answers, too. Which rays are held against exact arithmetic
+/// depends on it as well.
 const BY_EMBREE: [&str; 5] = ["same", "tie", "edge", "reference_wrong", "differing"];
 
 /// What is not the same. Classes that depend on Embree are judged if both files have the same one.
@@ -24,12 +25,8 @@ pub(super) fn findings(a: &Cell, b: &Cell, same_embree: bool) -> Vec<Finding> {
         false => Grade::Changed,
     };
     for reference in ["embree_fast", "embree_robust", "exact"] {
-        // Nothing in exact arithmetic depends on Embree.
-        let by_embree = if reference == "exact" {
-            Grade::Regression
-        } else {
-            embree
-        };
+        let as_many = diff_a[reference]["rays"] == diff_b[reference]["rays"];
+        let by_embree = if as_many { embree } else { Grade::Changed };
         let exact = EXACT.iter().map(|class| (class, Grade::Regression));
         let others = BY_EMBREE.iter().map(|class| (class, by_embree));
         for (class, grade) in exact.chain(others) {
@@ -39,8 +36,12 @@ pub(super) fn findings(a: &Cell, b: &Cell, same_embree: bool) -> Vec<Finding> {
             }
         }
     }
-    let [judge_a, judge_b] = [a, b].map(|cell| Value::from(cell.diff.unexplained));
-    add("diff.unexplained", Grade::Regression, &judge_a, &judge_b);
+    for what in ["not_judged", "unexplained"] {
+        let (a, b) = (&diff_a[what], &diff_b[what]);
+        if !a.is_null() && !b.is_null() {
+            add(&format!("diff.{what}"), Grade::Regression, a, b);
+        }
+    }
     if let (Some(a), Some(b)) = (a.printed_rule_wrong, b.printed_rule_wrong) {
         add(
             "printed_rule_wrong",

@@ -13,6 +13,7 @@ use super::text::print;
 use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt::workloads::{Film, RayType};
+use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::results::Document;
 use fig8::{Figure, Scene};
 use std::path::Path;
@@ -99,6 +100,7 @@ fn plan(args: &PaperArgs, film: Film, figure: &mut Figure) -> anyhow::Result<Run
     Ok(RunPlan {
         scenes,
         repeats: args.repeats,
+        exact_all: RANDOM_RAYS,
         engine,
         mesh_folders,
         out: args.out.clone(),

@@ -3,6 +3,7 @@
 use super::cells::BatchKey;
 use crate::cli::Verdict;
 use crate::cli::progress::Progress;
+use dacrt_validate::diff;
 use dacrt_validate::results::Cell;
 
 /// What was found so far.
@@ -43,8 +44,16 @@ impl Findings {
                 progress.warn(&format!(
                     "{scene} {rays} {method}: {} wrong of {} rays; the offending rays are in the \
                      result file (`dacrt trace --help` says how to trace them again)",
-                    cell.diff.unexplained, cell.ray_count
+                    cell.diff.wrong(),
+                    cell.ray_count
                 ));
+                if let Some(n @ 1..) = cell.diff.not_judged {
+                    progress.warn(&format!(
+                        "{scene} {rays} {method}: {n} of them were not judged: that is done for {} \
+                         rays on which Embree differs",
+                        diff::MOST_JUDGED
+                    ));
+                }
             }
         }
     }

@@ -236,7 +236,9 @@ impl Bench<'_> {
         let fast = by_embree(self.reference.fast());
         let robust = by_embree(&self.reference.robust);
         let seed = self.plan.engine.seed;
-        let mut checker = Checker::new(&self.judge, &batch, fast.view(), robust.view(), seed);
+        let (fast, robust) = (fast.view(), robust.view());
+        let mut checker =
+            Checker::new(&self.judge, &batch, fast, robust, self.plan.exact_all, seed);
         let mut workspaces = Workspaces::new(batch.len(), mesh.len());
         let mut cells = Vec::new();
         let mut entrants = Vec::new();
@@ -260,7 +262,7 @@ impl Bench<'_> {
                 key.parameters
                     .insert("variant".to_owned(), serde_json::to_value(variant)?);
             }
-            let is_finding = diff.is_finding(mesh);
+            let is_finding = diff.wrong() > 0;
             cells.push(Cell {
                 key,
                 triangles: mesh.len(),

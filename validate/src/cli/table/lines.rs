@@ -19,7 +19,8 @@ pub struct Row {
     pub embree_trace: Option<f64>,
     /// Rays on which ours and an Embree mode differ.
     pub differing: u64,
-    pub unexplained: u64,
+    /// Rays for which our answer is wrong.
+    pub bad: u64,
     /// How many rays, and of how many, the printed rule of termination gets wrong, if it was used.
     pub printed_rule: Option<(u64, u64)>,
 }
@@ -37,7 +38,7 @@ impl Row {
             embree_total: cell.ratio_embree_total,
             embree_trace: cell.ratio_embree_trace,
             differing: cell.diff.differing,
-            unexplained: cell.diff.unexplained,
+            bad: cell.diff.wrong(),
             printed_rule: cell.printed_rule_wrong.map(|n| (n, cell.ray_count as u64)),
         }
     }
@@ -78,8 +79,8 @@ pub fn heads() -> String {
 /// What the columns mean, to be printed under the table.
 pub const LEGEND: &str = "
 vs afra2012, vs Embree: how many times as fast as that. total: with Embree's build; trace: without.
-diff: rays whose hit is not shown to be right / rays on which Embree differs, most often by float32
-rounding where triangles meet. 0/5 is good, 1/5 a finding. More: dacrt run --help
+diff: rays whose hit is wrong / rays on which Embree differs, most often by float32 rounding where
+triangles meet. 0/5 is good, 1/5 a finding. More: dacrt run --help
 ";
 
 /// The lines of one batch, slowest method first so that a loss is not overlooked.
@@ -94,7 +95,7 @@ pub fn section(scene: &str, rays: &str, rows: &[Row]) -> String {
     let mut text = String::new();
     for row in order {
         let acceleration = row.acceleration.map_or("-".into(), interval);
-        let diff = part(row.unexplained, row.differing);
+        let diff = part(row.bad, row.differing);
         text += &format!(
             "{scene:<17}{rays:<18}{:<15}{:>7}  {acceleration:<18}{:>6}{:>6}{diff:>11}",
             row.method,
@@ -228,7 +229,7 @@ mod tests {
             embree_total: Some(0.123),
             embree_trace: Some(0.1),
             differing: 1_234_567,
-            unexplained: 0,
+            bad: 0,
             ..Row::default()
         }
     }
@@ -240,7 +241,7 @@ mod tests {
             interval: [10.12, 10.55],
         };
         let wrong = Row {
-            unexplained: 1_234_567,
+            bad: 1_234_567,
             printed_rule: Some((1_234_567, 16_777_216)),
             ..row("mora2011-random", 1.0, wide)
         };
@@ -268,7 +269,7 @@ mod tests {
         let wrong = Row {
             method: "wrong".into(),
             wrong: true,
-            unexplained: 3,
+            bad: 3,
             ..Row::default()
         };
         let slower = Ratio {
