@@ -2,8 +2,9 @@
 
 mod common;
 
-use common::{Form, point, rays, soup};
+use common::{FORMS, Form, hit, point, rays, soup};
 use dacrt::{Mesh, Ray, Triangle};
+use dacrt_validate::bounds::Pair;
 use dacrt_validate::exact::distance::Distance;
 use dacrt_validate::exact::{Arbiter, Nearest, has_area, meet};
 use dashu_int::IBig;
@@ -474,4 +475,78 @@ fn finds_the_nearest_along_denormal_directions() {
         }),
     );
     assert!(hits > 30, "{hits}");
+}
+
+/// Walls, duplicates and needles, and rays at their corners and edges, along edges, from box planes.
+fn hard(random: &mut Rng) -> (Mesh, Vec<Ray>) {
+    let mut triangles = soup(random, 80, 0.7, 1.0, Vec3::ZERO).triangles().to_vec();
+    for i in 0..40 {
+        let mut t = triangles[i];
+        match i % 4 {
+            0 => (t.b[i % 3], t.c[i % 3]) = (t.a[i % 3], t.a[i % 3]),
+            1 => t.c = t.a + (t.b - t.a) * 0.5 + point(random) * 1e-6,
+            _ => {}
+        }
+        triangles.push(t);
+    }
+    let rays = (0..1500).map(|i| {
+        let t = triangles[i % triangles.len()];
+        let target = t.a + (t.b - t.a) * [0.0, 0.5, 0.3][i % 3];
+        let eye = point(random) * 2.0;
+        let along = t.b - t.a;
+        let mut ray = match random.u8(0..5) {
+            0 => Ray::new(target - 2.0 * along, along + point(random) * 1e-6),
+            1 => Ray::new(target - Vec3::Y, Vec3::Y),
+            2 => Ray::new(t.c - 2.0 * along, along),
+            _ => Ray::new(eye, target - eye),
+        };
+        match random.u8(0..4) {
+            0 => ray.tmax = 1.0,
+            1 => ray.tmin = 1.0,
+            _ => {}
+        }
+        ray
+    });
+    let rays = rays.collect();
+    (Mesh::new(triangles), rays)
+}
+
+/// What the search leaves out is hit neither exactly nor by any form of the kernel of record.
+#[test]
+fn the_search_leaves_out_no_hit_of_float32() {
+    let mut random = Rng::with_seed(9);
+    let (mut hits, mut only_in_float32, mut uncertain) = (0, 0, 0);
+    for _ in 0..3 {
+        let (mesh, rays) = hard(&mut random);
+        let arbiter = Arbiter::new(&mesh);
+        let all = || mesh.triangles().iter().zip(0_u32..);
+        for ray in rays {
+            let found = arbiter.find(&ray);
+            let exact = all().filter_map(|(t, prim)| {
+                let t = meet(&ray, t)?;
+                Some(Nearest { prim, t })
+            });
+            let nearest = exact.min_by(|x, y| (&x.t, x.prim).cmp(&(&y.t, y.prim)));
+            assert_eq!(found.nearest, nearest, "{ray:?}");
+            let clear = all()
+                .filter(|(t, _)| t.is_valid() && has_area(t))
+                .map(|(t, _)| Pair::new(&ray, t))
+                .filter(Pair::clear)
+                .map(|pair| pair.latest())
+                .min_by(f64::total_cmp);
+            assert_eq!(found.clear.map(|(_, pair)| pair.latest()), clear, "{ray:?}");
+            let by_kernel = |form| all().any(|(t, _)| hit(&ray, t, form).is_some());
+            let in_float32 = FORMS.into_iter().any(by_kernel);
+            assert!(found.possible || !in_float32, "{ray:?}");
+            // A clear hit is one.
+            assert!(clear.is_none() || nearest.is_some(), "{ray:?}");
+            hits += nearest.is_some() as usize;
+            only_in_float32 += (in_float32 && nearest.is_none()) as usize;
+            uncertain += (nearest.is_some() && clear.is_none()) as usize;
+        }
+    }
+    assert!(
+        hits > 1000 && only_in_float32 > 30 && uncertain > 100,
+        "{hits} {only_in_float32} {uncertain}"
+    );
 }
