@@ -477,6 +477,25 @@ fn finds_the_nearest_along_denormal_directions() {
     assert!(hits > 30, "{hits}");
 }
 
+/// Copies in many boxes, which begin and end where the hit is.
+#[test]
+fn finds_the_lowest_of_many_copies() {
+    let mut random = Rng::with_seed(10);
+    let wall = right_triangle();
+    let slanted = Triangle::new(Vec3::Z, Vec3::X + Vec3::Z * 0.5, Vec3::Y);
+    let both = [[slanted; 60], [wall; 60]].concat();
+    let mesh = Mesh::new(both);
+    let arbiter = Arbiter::new(&mesh);
+    for _ in 0..200 {
+        let (x, y) = (random.f32() * 0.3 + 0.15, random.f32() * 0.3 + 0.15);
+        let target = Vec3::new(x, y, 0.0);
+        let d = Vec3::new(0.1 * random.f32(), -0.1 * random.f32(), 1.0);
+        let prim = |ray| arbiter.nearest(&ray).map(|n| n.prim);
+        assert_eq!(prim(Ray::new(target - 3.0 * d, d)), Some(60));
+        assert_eq!(prim(Ray::new(target + 3.0 * d, -d)), Some(0));
+    }
+}
+
 /// Walls, duplicates and needles, and rays at their corners and edges, along edges, from box planes.
 fn hard(random: &mut Rng) -> (Mesh, Vec<Ray>) {
     let mut triangles = soup(random, 80, 0.7, 1.0, Vec3::ZERO).triangles().to_vec();
