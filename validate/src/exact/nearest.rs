@@ -34,7 +34,7 @@ pub struct Found {
 }
 
 impl<'m> Arbiter<'m> {
-    /// Builds boxes over the triangles that can be hit, about a second a million.
+    /// Builds boxes over the triangles that can be hit, about half a second a million.
     pub fn new(mesh: &'m Mesh) -> Arbiter<'m> {
         let triangles = mesh.triangles();
         let solid = (0..triangles.len() as u32).filter(|&i| can_be_hit(mesh, i));
