@@ -36,6 +36,16 @@ pub const fn below(bits: u64, n: u32) -> u32 {
     (((bits >> 32) * n as u64) >> 32) as u32
 }
 
+/// Numbers in [0, 1), one after the other.
+#[cfg(test)]
+pub fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut i = 0;
+    move || {
+        i += 1;
+        unit_f64(hash(seed, 0, i))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

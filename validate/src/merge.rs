@@ -1,7 +1,7 @@
 //! One result out of several: the shards of a sweep, or runs of other scenes.
 
 use crate::compare::Names;
-use crate::results::{Cell, Document, Piece, circumstances};
+use crate::results::{Cell, Document, Piece, difference};
 use crate::sweep::SweepRun;
 use std::path::{Path, PathBuf};
 
@@ -97,18 +97,15 @@ pub enum MergeError {
 /// If there is no file.
 pub fn merge(files: &[(&Path, Document)], command: Vec<String>) -> Result<Document, MergeError> {
     let (first_path, first) = &files[0];
-    let expected = circumstances(first);
     for (path, file) in &files[1..] {
-        for ((what, found), (_, expected)) in circumstances(file).into_iter().zip(&expected) {
-            if found != *expected {
-                return Err(MergeError::Differ {
-                    path: path.to_path_buf(),
-                    first: first_path.to_path_buf(),
-                    what,
-                    found,
-                    expected: expected.clone(),
-                });
-            }
+        if let Some((what, found, expected)) = difference(file, first) {
+            return Err(MergeError::Differ {
+                path: path.to_path_buf(),
+                first: first_path.to_path_buf(),
+                what,
+                found,
+                expected,
+            });
         }
     }
     let documents: Vec<&Document> = files.iter().map(|(_, file)| file).collect();
@@ -118,10 +115,11 @@ pub fn merge(files: &[(&Path, Document)], command: Vec<String>) -> Result<Docume
     for &i in &order {
         let (path, file) = &files[i];
         for cell in &file.cells {
-            for (j, other) in &cells {
-                let same_batch = other.key.batch() == cell.key.batch();
-                let (path, other_path) = (path.to_path_buf(), files[*j].0.to_path_buf());
-                if same_batch && other.ray_hash != cell.ray_hash {
+            let same_batch = |(_, c): &&(usize, Cell)| c.key.batch() == cell.key.batch();
+            for (j, other) in cells.iter().filter(same_batch) {
+                let paths = || (path.to_path_buf(), files[*j].0.to_path_buf());
+                if other.ray_hash != cell.ray_hash {
+                    let (path, other_path) = paths();
                     return Err(MergeError::OtherRays {
                         path,
                         other: other_path,
@@ -130,10 +128,11 @@ pub fn merge(files: &[(&Path, Document)], command: Vec<String>) -> Result<Docume
                         expected: other.ray_hash.clone(),
                     });
                 }
-                if same_batch && other.key.is(&cell.key) {
+                if other.key.is(&cell.key) {
+                    let (path, other) = paths();
                     return Err(MergeError::Twice {
                         path,
-                        other: other_path,
+                        other,
                         cell: names.name(&cell.key),
                     });
                 }

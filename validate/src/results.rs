@@ -272,7 +272,7 @@ pub enum ResultError {
 }
 
 /// What must be the same for cells to stand in one document, each with its name.
-pub fn circumstances(document: &Document) -> [(&'static str, String); 8] {
+fn circumstances(document: &Document) -> [(&'static str, String); 8] {
     let Document {
         machine, software, ..
     } = document;
@@ -298,14 +298,24 @@ pub fn circumstances(document: &Document) -> [(&'static str, String); 8] {
     ]
 }
 
+/// The first circumstance in which two documents differ: its name, and what each has.
+pub fn difference(a: &Document, b: &Document) -> Option<(&'static str, String, String)> {
+    let pairs = circumstances(a).into_iter().zip(circumstances(b));
+    pairs
+        .map(|((what, a), (_, b))| (what, a, b))
+        .find(|(_, a, b)| a != b)
+}
+
 /// Which part of a sweep it is.
-fn shard(document: &Document) -> [(&'static str, String); 1] {
-    let part = |sweep: &SweepRun| match sweep.shard {
-        Some([i, n]) => format!("shard {i} of {n}"),
-        None => "all".to_owned(),
-    };
-    let part = document.sweep.as_ref().map_or("none".to_owned(), part);
-    [("part of a sweep", part)]
+fn part(document: &Document) -> String {
+    match &document.sweep {
+        None => "none".to_owned(),
+        Some(SweepRun { shard: None, .. }) => "all".to_owned(),
+        Some(SweepRun {
+            shard: Some([i, n]),
+            ..
+        }) => format!("shard {i} of {n}"),
+    }
 }
 
 impl Document {
@@ -388,19 +398,16 @@ impl Document {
             return Ok(());
         }
         let earlier = Document::read(path)?;
-        for ((what, found), (_, here)) in
-            (shard(&earlier).into_iter().chain(circumstances(&earlier)))
-                .zip(shard(self).into_iter().chain(circumstances(self)))
-        {
-            if found != here {
-                let path = path.to_owned();
-                return Err(ResultError::Mismatch {
-                    path,
-                    what,
-                    found,
-                    here,
-                });
-            }
+        let parts = ("part of a sweep", part(&earlier), part(self));
+        let other_part = (parts.1 != parts.2).then_some(parts);
+        if let Some((what, found, here)) = other_part.or_else(|| difference(&earlier, self)) {
+            let path = path.to_owned();
+            return Err(ResultError::Mismatch {
+                path,
+                what,
+                found,
+                here,
+            });
         }
         self.cells = earlier.cells;
         self.accepted = earlier.accepted;

@@ -26,6 +26,11 @@ pub fn median(samples: &[f64]) -> Option<f64> {
     }
 }
 
+/// The least value; infinite of nothing.
+pub fn least(samples: &[f64]) -> f64 {
+    samples.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
 /// Ratio of the medians of two lists whose samples were taken in turns: the i-th of one right
 /// before or after the i-th of the other.
 ///

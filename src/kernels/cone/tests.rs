@@ -4,26 +4,9 @@ use super::*;
 use crate::kernels::Kernels;
 use crate::kernels::records::RAYS_AHEAD;
 use crate::kernels::slab::SlabBox;
-use crate::random::{below, hash, unit_f64};
+use crate::random::{below, hash, numbers};
 use crate::rays::Ray;
 use crate::simd::{Isa, Portable};
-
-/// Numbers in [0, 1), one after the other.
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut i = 0;
-    move || {
-        i += 1;
-        unit_f64(hash(seed, 0, i))
-    }
-}
-
-fn wide(v: Vec3) -> DVec3 {
-    DVec3::new(v.x as f64, v.y as f64, v.z as f64)
-}
-
-fn narrow(v: DVec3) -> Vec3 {
-    Vec3::new(v.x as f32, v.y as f32, v.z as f32)
-}
 
 /// A direction, all equally likely.
 fn direction(number: &mut impl FnMut() -> f64) -> DVec3 {
@@ -183,7 +166,7 @@ struct Made {
 impl Made {
     fn cone(&self, i: usize) -> (DVec3, f64) {
         let [x, y, z, sine] = self.cones[i].map(f32::from_bits);
-        (wide(Vec3::new(x, y, z)), sine as f64)
+        (Vec3::new(x, y, z).as_dvec3(), sine as f64)
     }
 }
 
@@ -248,7 +231,7 @@ fn check(batch: &Batch, made: &Made) {
             let ray = ray as usize;
             if batch.ray(ray).is_valid() {
                 places[ray] += 1;
-                widest = widest.max(sine(axis, wide(batch.ray(ray).direction)));
+                widest = widest.max(sine(axis, batch.ray(ray).direction.as_dvec3()));
             }
         }
         assert!(
@@ -314,7 +297,7 @@ fn every_ray_is_in_one_cone_or_in_the_list() {
                     true => direction(&mut number),
                     false => d + step * across(d, &mut number),
                 };
-                let of_length = narrow(d * 10f64.powf(6.0 * number() - 3.0));
+                let of_length = (d * 10f64.powf(6.0 * number() - 3.0)).as_vec3();
                 match number() < bad {
                     true => invalid(i, of_length),
                     false => Ray::new(Vec3::ZERO, of_length),
@@ -424,7 +407,7 @@ fn cones_contain_their_rays_whatever_the_length_of_directions() {
                 .map(|_| {
                     let d = middle + 0.05 * number() * across(middle, &mut number);
                     let length = (0.1 + number()) * 10f64.powi(exponent);
-                    Ray::new(Vec3::ZERO, narrow(d * length))
+                    Ray::new(Vec3::ZERO, (d * length).as_vec3())
                 })
                 .collect();
             made(&batch);
@@ -529,7 +512,7 @@ fn meets(lo: DVec3, hi: DVec3, axis: DVec3, half_angle: f64) -> bool {
 fn some_box(number: &mut impl FnMut() -> f64, kind: usize) -> (Vec3, Aabb) {
     let origin = match kind % 3 {
         0 => Vec3::ZERO,
-        1 => narrow(4.0 * direction(number)),
+        1 => (4.0 * direction(number)).as_vec3(),
         _ => Vec3::new(148376.0, 1234.0, -223423.0),
     };
     let scale = match kind / 3 % 4 {
@@ -540,8 +523,8 @@ fn some_box(number: &mut impl FnMut() -> f64, kind: usize) -> (Vec3, Aabb) {
     };
     let distance = scale * (0.1 + 3.0 * number());
     let size = scale * 10f64.powf(-3.0 + 3.5 * number());
-    let min = origin + narrow(distance * direction(number));
-    let extent = narrow(size * DVec3::new(number(), number(), number()));
+    let min = origin + (distance * direction(number)).as_vec3();
+    let extent = (size * DVec3::new(number(), number(), number())).as_vec3();
     let mut b = Aabb {
         min,
         max: min + extent,
@@ -588,8 +571,8 @@ fn cones_that_meet_a_box_are_kept_and_those_clearly_outside_are_dropped() {
     for kind in 0..3000 {
         let (origin, bounds) = some_box(&mut number, kind);
         let (lo, hi) = (
-            wide(bounds.min) - wide(origin),
-            wide(bounds.max) - wide(origin),
+            bounds.min.as_dvec3() - origin.as_dvec3(),
+            bounds.max.as_dvec3() - origin.as_dvec3(),
         );
         let mut cones = vec![];
         for i in 0..40 {
@@ -612,7 +595,7 @@ fn cones_that_meet_a_box_are_kept_and_those_clearly_outside_are_dropped() {
         let edge_on = (0..3).any(|axis| lo[axis] == 0.0 && hi[axis] == 0.0);
         let keeps = keep(&cones, &bounds, origin);
         for (&[x, y, z, sine], kept) in cones.iter().zip(keeps) {
-            let axis = wide(Vec3::new(x, y, z));
+            let axis = Vec3::new(x, y, z).as_dvec3();
             let at = || format!("{axis:?} {sine:e} {bounds:?} from {origin:?}");
             let within = libm::asin((sine - TOLERANCE) as f64);
             let around = libm::asin(sine as f64) + 1e-5;
@@ -640,8 +623,8 @@ fn cones_are_kept_for_every_ray_that_passes_the_slab_test() {
     for kind in 0..3000 {
         let (origin, bounds) = some_box(&mut number, kind);
         let (lo, hi) = (
-            wide(bounds.min) - wide(origin),
-            wide(bounds.max) - wide(origin),
+            bounds.min.as_dvec3() - origin.as_dvec3(),
+            bounds.max.as_dvec3() - origin.as_dvec3(),
         );
         let middle = 0.5 * (lo + hi);
         // SAFETY: portable code runs everywhere.
@@ -656,7 +639,7 @@ fn cones_are_kept_for_every_ray_that_passes_the_slab_test() {
             if p == DVec3::ZERO {
                 continue;
             }
-            let ray = narrow(p * 10f64.powf(4.0 * number() - 2.0));
+            let ray = (p * 10f64.powf(4.0 * number() - 2.0)).as_vec3();
             let inverse = ray.to_array().map(|x| {
                 let inverse = 1.0 / x;
                 [if inverse.is_finite() {
@@ -670,7 +653,7 @@ fn cones_are_kept_for_every_ray_that_passes_the_slab_test() {
             if near[0] > far[0] {
                 continue;
             }
-            let u = wide(ray) / wide(ray).length();
+            let u = ray.as_dvec3() / ray.as_dvec3().length();
             let half_angle = 10f64.powf(-7.0 + 7.0 * number());
             // Away from the box, or anywhere.
             let w = match i % 3 {
@@ -683,12 +666,12 @@ fn cones_are_kept_for_every_ray_that_passes_the_slab_test() {
                     w / w.length()
                 }
             };
-            let axis = narrow(u * libm::cos(half_angle) + w * libm::sin(half_angle));
+            let axis = (u * libm::cos(half_angle) + w * libm::sin(half_angle)).as_vec3();
             cones.push([
                 axis.x,
                 axis.y,
                 axis.z,
-                sine(wide(axis), wide(ray)) as f32 + TOLERANCE,
+                sine(axis.as_dvec3(), ray.as_dvec3()) as f32 + TOLERANCE,
             ]);
             rays.push((ray, half_angle));
         }
@@ -697,7 +680,7 @@ fn cones_are_kept_for_every_ray_that_passes_the_slab_test() {
         }
         for (i, kept) in keep(&cones, &bounds, origin).into_iter().enumerate() {
             let (ray, half_angle) = rays[i];
-            grazing += !meets(lo, hi, wide(Vec3::from_slice(&cones[i])), half_angle) as usize;
+            grazing += !meets(lo, hi, Vec3::from_slice(&cones[i]).as_dvec3(), half_angle) as usize;
             assert!(
                 kept,
                 "{ray:?} in {:?}: {bounds:?} from {origin:?}",

@@ -4,25 +4,12 @@
 use super::*;
 use crate::geometry::{Mesh, Triangle};
 use crate::kernels::Kernels;
-use crate::random::{below, hash, unit_f64};
+use crate::random::{below, hash, numbers};
 use crate::simd::{Isa, MAX_LANES};
 use glam::{DVec3, Vec3};
 
-/// Numbers in [0, 1), one after the other.
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut i = 0;
-    move || {
-        i += 1;
-        unit_f64(hash(seed, 0, i))
-    }
-}
-
-fn wide(v: Vec3) -> DVec3 {
-    DVec3::new(v.x as f64, v.y as f64, v.z as f64)
-}
-
 fn corners_of(t: &Triangle) -> [DVec3; 3] {
-    [t.a, t.b, t.c].map(wide)
+    [t.a, t.b, t.c].map(|v| v.as_dvec3())
 }
 
 /// The indices after the test, as every instruction set has them, and how many are kept.
@@ -87,8 +74,8 @@ fn gap(t: &Triangle, cell: &Aabb, axis: DVec3) -> f64 {
     }
     let axis = axis / axis.abs().max_element();
     let axis = axis / axis.length();
-    let center = 0.5 * (wide(cell.min) + wide(cell.max));
-    let half = 0.5 * (wide(cell.max) - wide(cell.min));
+    let center = 0.5 * (cell.min.as_dvec3() + cell.max.as_dvec3());
+    let half = 0.5 * (cell.max.as_dvec3() - cell.min.as_dvec3());
     let at = corners_of(t).map(|p| axis.dot(p - center));
     let (least, greatest) = (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]));
     (least.max(-greatest)) - axis.abs().dot(half)
@@ -115,9 +102,9 @@ fn plane_gap(t: &Triangle, cell: &Aabb) -> f64 {
 /// the coordinate origin.
 fn margin(t: &Triangle, by: &Overlap) -> f64 {
     let furthest = |p: DVec3| {
-        let from_least = (p - wide(by.origins.min)).abs();
+        let from_least = (p - by.origins.min.as_dvec3()).abs();
         from_least
-            .max((p - wide(by.origins.max)).abs())
+            .max((p - by.origins.max.as_dvec3()).abs())
             .element_sum()
     };
     let corner = |bits: usize| {
@@ -129,25 +116,24 @@ fn margin(t: &Triangle, by: &Overlap) -> f64 {
                 b.max[axis]
             }
         };
-        wide(Vec3::new(at(0), at(1), at(2)))
+        Vec3::new(at(0), at(1), at(2)).as_dvec3()
     };
     let far = (0..8)
         .map(|bits| furthest(corner(bits)))
         .fold(0.0, f64::max);
-    let coordinates = (wide(by.cell.min).abs() + wide(by.cell.max).abs()).element_sum();
-    MARGIN as f64 * (far + furthest(wide(t.a))) + coordinates * 4.0 / (1 << 24) as f64
+    let coordinates = (by.cell.min.as_dvec3().abs() + by.cell.max.as_dvec3().abs()).element_sum();
+    MARGIN as f64 * (far + furthest(t.a.as_dvec3())) + coordinates * 4.0 / (1 << 24) as f64
 }
 
 /// Whether the product of the normal and a corner may overflow: then nothing is said to be apart.
 fn overflows(t: &Triangle, cell: &Aabb) -> bool {
     let b = t.bounds().union(*cell);
-    wide(b.extent()).element_sum().powi(3) > f32::MAX as f64
+    b.extent().as_dvec3().element_sum().powi(3) > f32::MAX as f64
 }
 
 /// Triangles around a cell: of any shape, slivers, along axes, larger than the cell, on its planes.
 fn triangles(mut number: impl FnMut() -> f64, cell: &Aabb, n: usize) -> Vec<Triangle> {
-    let (center, half) = (wide(cell.center()), 0.5 * wide(cell.extent()));
-    let narrow = |v: DVec3| Vec3::new(v.x as f32, v.y as f32, v.z as f32);
+    let (center, half) = (cell.center().as_dvec3(), 0.5 * cell.extent().as_dvec3());
     (0..n)
         .map(|i| {
             let mut vector = || DVec3::new(number(), number(), number()) * 2.0 - 1.0;
@@ -188,7 +174,7 @@ fn triangles(mut number: impl FnMut() -> f64, cell: &Aabb, n: usize) -> Vec<Tria
                 _ => {}
             }
             let place = |v: DVec3| {
-                let mut p = narrow(center + v * half);
+                let mut p = (center + v * half).as_vec3();
                 for axis in 0..3 {
                     if v[axis] == 1.0 {
                         p[axis] = cell.max[axis];

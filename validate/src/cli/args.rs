@@ -65,7 +65,7 @@ pub enum Command {
     Render(RenderArgs),
     /// List the scenes and where their meshes are
     Scenes(ScenesArgs),
-    /// Print the JSON Schema of result files or scene descriptions
+    /// Print the JSON Schema of result files, scene descriptions or sweep files
     Schema(SchemaArgs),
     /// Show the machine, the instruction sets, Embree and the mesh folders
     Env(EnvArgs),
@@ -122,6 +122,20 @@ pub struct EngineArgs {
         value_parser = whole(0..=u64::MAX)
     )]
     pub seed: u64,
+}
+
+/// How often is measured.
+#[derive(Args)]
+pub struct RepeatArgs {
+    /// Measured repeats of each contestant
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 5,
+        allow_negative_numbers = true,
+        value_parser = whole(1..=1000u32)
+    )]
+    pub repeats: u32,
 }
 
 #[derive(Args)]
@@ -258,15 +272,8 @@ pub struct SweepArgs {
     /// Only the I-th, from 1, of N parts
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Measured repeats of each contestant
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 5,
-        allow_negative_numbers = true,
-        value_parser = whole(1..=1000u32)
-    )]
-    pub repeats: u32,
+    #[command(flatten)]
+    pub repeats: RepeatArgs,
     /// Where the results go, as JSON [default: dacrt-NAME.json for a sweep NAME.json]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -351,15 +358,8 @@ pub struct PaperArgs {
         allow_negative_numbers = true
     )]
     pub resolution: Resolution,
-    /// Measured repeats of each contestant
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 5,
-        allow_negative_numbers = true,
-        value_parser = whole(1..=1000u32)
-    )]
-    pub repeats: u32,
+    #[command(flatten)]
+    pub repeats: RepeatArgs,
     /// Measure nothing: print the table of this result file
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "resume"])]
     pub from: Option<PathBuf>,
@@ -385,9 +385,9 @@ pub enum Bench {
 #[command(after_help = "\
 kernels  Every inner loop that takes much of the time of a trace, called as a trace calls it, on
          made-up data that fit into the L2 cache (256 KiB), the L3 cache (8 MiB) or only into memory
-         (256 MiB; not portable code). Filters keep about half. Each pass does the same work: index lists and all that
-         passes change are put back between them, outside of the time. What the instruction sets
-         answer is compared first; if they differ, the exit code is 1.
+         (256 MiB; not portable code). Filters keep about half. Each pass does the same work: index
+         lists and all that passes change are put back between them, outside of the time. What the
+         instruction sets answer is compared first; if they differ, the exit code is 1.
 
 The table: `ns` is the median time of a test with its 95 % bootstrap interval, `clocks` the same in
 processor clocks, which are measured in turns (a chain of dependent integer additions takes one

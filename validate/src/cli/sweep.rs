@@ -16,7 +16,6 @@ use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt_validate::atomic;
 use dacrt_validate::diff::RANDOM_RAYS;
-use dacrt_validate::results::Document;
 use dacrt_validate::sweep::{Size, Sweep, SweepRun};
 use std::path::PathBuf;
 
@@ -26,7 +25,7 @@ pub fn sweep(args: &SweepArgs) -> anyhow::Result<Verdict> {
     let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
     let mut resumed = 0;
-    let findings = run::execute(&plan, &progress, &mut |key, round, cells, origin| {
+    let (document, findings) = run::execute(&plan, &progress, &mut |key, round, cells, origin| {
         if origin == Origin::Resumed {
             resumed += cells.len();
             return Ok(());
@@ -43,7 +42,6 @@ pub fn sweep(args: &SweepArgs) -> anyhow::Result<Verdict> {
         Ok(())
     })?;
     progress.finish();
-    let document = Document::read(&plan.out)?;
     let mut text = over::all(&document);
     text += &format!("results: {}", plan.out.display());
     if resumed > 0 {
@@ -82,7 +80,7 @@ fn plan(args: &SweepArgs) -> anyhow::Result<RunPlan> {
     atomic::remove_leftovers(&out);
     Ok(RunPlan {
         scenes,
-        repeats: args.repeats,
+        repeats: args.repeats.repeats,
         exact_all: RANDOM_RAYS,
         engine,
         mesh_folders,

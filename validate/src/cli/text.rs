@@ -3,6 +3,9 @@
 use anyhow::Context;
 use std::io::{self, Write};
 
+/// No line of a table is longer.
+pub const WIDTH: usize = 100;
+
 /// Writes to standard output. A reader that has gone away (`dacrt scenes | head`) is no error.
 pub fn print(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();

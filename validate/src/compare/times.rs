@@ -26,7 +26,7 @@ use super::{Grade, Names, Speed};
 use crate::embree::Best;
 use crate::parameters::is_baseline;
 use crate::results::{Cell, Document};
-use crate::statistics::{Noise, median};
+use crate::statistics::{Noise, least, median};
 use dacrt::Method;
 use serde::Serialize;
 use std::fmt;
@@ -188,10 +188,10 @@ fn grade(methods: &[&Quotient], embree: &[&Quotient], to_baseline: bool) -> Grad
         each || (!embree.is_empty() && all(embree, &far))
     };
     let greatest = |q: &Quotient| q.interval.map(|[_, high]| high.max(q.of_least));
-    let least = |q: &Quotient| q.interval.map(|[low, _]| low.min(q.of_least));
+    let smallest = |q: &Quotient| q.interval.map(|[low, _]| low.min(q.of_least));
     if says(&|q, slack| greatest(q).is_some_and(|x| x < 1.0 / (1.0 + slack))) {
         Grade::Regression
-    } else if says(&|q, slack| least(q).is_some_and(|x| x > 1.0 + slack)) {
+    } else if says(&|q, slack| smallest(q).is_some_and(|x| x > 1.0 + slack)) {
         Grade::Improvement
     } else {
         Grade::Same
@@ -341,10 +341,6 @@ impl Chance<'_> {
 
 fn samples(cell: &Cell) -> &[f64] {
     cell.samples_ms.as_deref().unwrap_or_default()
-}
-
-fn least(samples: &[f64]) -> f64 {
-    samples.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// Whether both were measured in turns: two cells of a batch may be of two runs that were merged,

@@ -1,11 +1,8 @@
 //! The report at a terminal: at most 100 columns, what is worse first.
 
 use super::{Report, words};
-use crate::cli::text::columns;
+use crate::cli::text::{WIDTH, columns};
 use dacrt_validate::compare::Grade;
-
-/// As wide as the other tables.
-const WIDTH: usize = 100;
 
 /// The whole report.
 pub fn table(report: &Report) -> String {

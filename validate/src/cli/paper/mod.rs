@@ -33,7 +33,7 @@ pub fn paper(args: &PaperArgs) -> anyhow::Result<Verdict> {
     let plan = plan(args, film, &mut figure)?;
     let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
-    let findings = run::execute(&plan, &progress, &mut |_, _, cells, _| {
+    let (_, findings) = run::execute(&plan, &progress, &mut |_, _, cells, _| {
         cells.iter().for_each(|cell| figure.take(cell));
         Ok(())
     })?;
@@ -99,7 +99,7 @@ fn plan(args: &PaperArgs, film: Film, figure: &mut Figure) -> anyhow::Result<Run
     check_writable(&args.out).context("--out")?;
     Ok(RunPlan {
         scenes,
-        repeats: args.repeats,
+        repeats: args.repeats.repeats,
         exact_all: RANDOM_RAYS,
         engine,
         mesh_folders,

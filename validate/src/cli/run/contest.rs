@@ -6,6 +6,7 @@ use crate::cli::engine::Workspaces;
 use dacrt::{Batch, Mesh, Parameters, Tracer};
 use dacrt_validate::embree::{Quality, Query};
 use dacrt_validate::measure::{interleave, milliseconds};
+use dacrt_validate::statistics::least;
 use std::convert::Infallible;
 
 /// How many combinations of build quality and query are given up after one measured round.
@@ -94,10 +95,6 @@ pub fn contest(
         prepacked: prepacked.into(),
         unstable,
     }
-}
-
-fn least(samples: &[f64]) -> f64 {
-    samples.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// The slowest combinations that another query on the same build beats, so that neither Embree's

@@ -39,7 +39,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {
     plan.warnings.iter().for_each(|w| progress.warn(w));
     let first = plan.rounds().next().map(|round| round.film);
     let mut report = Report::new(plan.rounds().any(|round| Some(round.film) != first));
-    let findings = execute(&plan, &progress, &mut |_, round, cells, _| {
+    let (_, findings) = execute(&plan, &progress, &mut |_, round, cells, _| {
         let labels: Vec<String> = round.contestants.iter().map(|c| c.label.clone()).collect();
         progress.print(&report.section(cells, &labels))
     })?;
@@ -61,12 +61,13 @@ pub enum Origin {
 /// Is given each batch as soon as it is finished: its round, and a cell for each contestant.
 pub type Listener<'a> = dyn FnMut(&BatchKey, &Round, &[Cell], Origin) -> anyhow::Result<()> + 'a;
 
-/// Measures and checks all batches of the plan and writes the result file after each.
+/// Measures and checks all batches of the plan and writes the result file after each. Returns what
+/// stands in that file, too.
 pub fn execute(
     plan: &RunPlan,
     progress: &Progress,
     listener: &mut Listener,
-) -> anyhow::Result<Findings> {
+) -> anyhow::Result<(Document, Findings)> {
     let device = Device::new(1)?;
     let mut document = new_document(plan, &device);
     if plan.resume {
@@ -121,7 +122,7 @@ pub fn execute(
             }
         }
     }
-    Ok(findings)
+    Ok((document, findings))
 }
 
 /// A sweep ends with its own cells and no others, all measured alike.

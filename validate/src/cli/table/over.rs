@@ -1,16 +1,13 @@
 //! A result seen along one parameter: a line a batch, a column a value.
 
 use crate::cli::knobs::plain;
-use crate::cli::text::columns;
+use crate::cli::text::{WIDTH, columns};
 use dacrt::Method;
 use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{Cell, CellKey, Document};
 use dacrt_validate::statistics::{Ratio, geometric_mean, paired_ratio};
 use serde_json::{Map, Value};
 use std::str::FromStr;
-
-/// No line is longer.
-const WIDTH: usize = 100;
 
 const LEGEND: &str = "
 Above 1 is faster; `<` and `>`: the 95 % interval lies below or above 1.
