@@ -1,6 +1,6 @@
 //! What a trace is given, and what it gives back.
 
-use super::{Counters, Variant};
+use super::{Counters, Precision, Variant};
 use crate::geometry::Mesh;
 use crate::kernels::Kernels;
 use crate::rays::{Batch, Hits};
@@ -26,6 +26,7 @@ pub(super) struct Job<'a> {
     pub batch: &'a Batch,
     /// The origin of all valid rays, if the batch is traced as one with a shared origin.
     pub shared_origin: Option<Vec3>,
+    pub precision: Precision,
     pub seed: u64,
     pub audit: bool,
 }

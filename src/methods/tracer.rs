@@ -2,7 +2,7 @@
 
 use super::job::{Answer, Job, Trace};
 use super::workspace::Memory;
-use super::{Parameters, Workspace, object, space};
+use super::{Parameters, Precision, Workspace, object, space};
 use crate::geometry::Mesh;
 use crate::kernels::Kernels;
 use crate::rays::{Batch, Hits};
@@ -10,12 +10,13 @@ use crate::simd::Isa;
 
 /// Finds the hits of whole batches.
 ///
-/// The hits are a function of mesh and batch alone: not of method, parameters, seed or
+/// The hits are a function of mesh, batch and precision alone: not of method, parameters, seed or
 /// instruction set.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer {
     parameters: Parameters,
     isa: Isa,
+    precision: Precision,
     seed: u64,
     audit: bool,
     own_origins: bool,
@@ -34,6 +35,7 @@ impl Tracer {
         Tracer {
             parameters,
             isa: Isa::best(),
+            precision: Precision::Fast,
             seed: 0,
             audit: false,
             own_origins: false,
@@ -55,6 +57,11 @@ impl Tracer {
     pub fn with_isa(self, isa: Isa) -> Tracer {
         assert!(isa.is_available(), "this processor has no {isa}");
         Tracer { isa, ..self }
+    }
+
+    /// With another precision, which the hits depend on.
+    pub fn with_precision(self, precision: Precision) -> Tracer {
+        Tracer { precision, ..self }
     }
 
     /// With another seed for the choice of sample rays. The hits stay the same.
@@ -142,6 +149,7 @@ impl Tracer {
                 // SAFETY: `Kernels::of` has checked the processor.
                 false => unsafe { (kernels.shared_origin)(batch) },
             },
+            precision: self.precision,
             seed: self.seed,
             audit: self.audit,
         };
