@@ -49,6 +49,7 @@
 //! when another method is the better choice, and how fast this one is beside Embree.
 
 pub mod bench;
+mod exact;
 pub mod geometry;
 mod kernels;
 mod methods;

@@ -3,7 +3,10 @@
 use super::triangles::{CUBE, HALF, Indices, Lists, mesh};
 use super::{Bench, Work, best, number, point};
 use crate::geometry::{Aabb, Mesh};
-use crate::kernels::{Cones, Done, Item, Keep, Kernels, List, Listed, Range, RayRecords, Rays};
+use crate::kernels::{
+    Cones, Done, Item, Keep, Kernels, List, Listed, Range, RayRecords, Rays, Tmax,
+};
+use crate::methods::Precision;
 use crate::rays::active::ActiveRays;
 use crate::rays::{Batch, Ray};
 use crate::simd::MAX_LANES;
@@ -67,6 +70,9 @@ impl Indexed {
             least_tmin: 0.0,
             one_tmin: true,
             any_hit: false,
+            precision: Precision::Fast,
+            tmax: Tmax::of(&self.batch),
+            scene: CUBE,
         }
     }
 
@@ -159,6 +165,7 @@ impl<const SHARED: bool> Work for IndexedTriangles<SHARED> {
                 lists.ids = lists.ids.add(i % LISTS * TRIANGLES);
                 let triangles = Listed {
                     lists: &lists,
+                    triangles: self.mesh.triangles(),
                     len: TRIANGLES,
                     duplicates: &mut 0,
                 };
@@ -206,6 +213,9 @@ impl Copied {
             special: false,
             least_tmin: 0.0,
             any_hit: false,
+            precision: Precision::Fast,
+            tmax: Tmax::of(&self.batch),
+            scene: CUBE,
         }
     }
 

@@ -19,7 +19,7 @@ use super::slab::PADDING;
 use super::triangle::{cross3, dot};
 use crate::geometry::Aabb;
 use crate::rays::Batch;
-use crate::simd::{Lanes, MAX_LANES, splat3};
+use crate::simd::{Lanes, lanes_of_bits, splat3};
 use glam::{DVec3, Vec3};
 
 /// Rays of a packet at most: 8 × 8.
@@ -492,25 +492,6 @@ pub(crate) unsafe fn flush<L: Lanes>(
         }
     }
     to
-}
-
-/// Lanes whose bits are set.
-///
-/// # Safety
-/// The processor has `L`'s instruction set.
-#[inline(always)]
-unsafe fn lanes_of_bits<L: Lanes>(bits: u32) -> L::M {
-    const ONE: [u32; MAX_LANES] = {
-        let mut one = [0; MAX_LANES];
-        let mut lane = 0;
-        while lane < MAX_LANES {
-            one[lane] = 1 << lane;
-            lane += 1;
-        }
-        one
-    };
-    // SAFETY: as promised.
-    unsafe { L::common_bits(L::splat_u(bits), L::load_u(ONE.as_ptr())) }
 }
 
 /// Moves the cones of a part of the index list that meet a box to its front; returns how many do.

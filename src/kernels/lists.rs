@@ -2,11 +2,11 @@
 //! of each axis in a list of its own, so that a triangle is held against a split plane by loading
 //! eight bytes; what is between them, and which corner has which, in the fourth.
 
-use super::naive::TriangleList;
+use super::naive::{Record, TriangleList};
 use super::partition::{Test, partition};
-use super::prepare::has_area;
 use super::triangle::{Chunk, Corners};
-use crate::geometry::{Aabb, Mesh};
+use crate::exact::has_area;
+use crate::geometry::{Aabb, Mesh, Triangle};
 use crate::simd::{Lanes, MAX_LANES};
 use glam::Vec3;
 
@@ -182,6 +182,7 @@ pub(crate) unsafe fn keep_side<L: Lanes>(lists: &TriangleLists, len: usize, side
 /// The first `len` triangles of the index list.
 pub(crate) struct Listed<'a> {
     pub lists: &'a TriangleLists,
+    pub triangles: &'a [Triangle],
     pub len: usize,
     /// How many of them had been in a naive step before.
     pub duplicates: &'a mut u64,
@@ -194,14 +195,24 @@ impl<L: Lanes> TriangleList<L> for Listed<'_> {
     }
 
     #[inline(always)]
-    unsafe fn prepare(&mut self, from: usize, chunk: &mut Chunk, shared_origin: Option<Vec3>) {
+    fn triangle(&self, prim: u32) -> &Triangle {
+        &self.triangles[prim as usize]
+    }
+
+    #[inline(always)]
+    unsafe fn prepare<R: Record<L>>(
+        &mut self,
+        from: usize,
+        chunk: &mut Chunk,
+        shared_origin: Option<Vec3>,
+    ) {
         let len = (self.len - from).min(MAX_LANES);
         for at in (0..len).step_by(L::N) {
             // SAFETY: as promised; behind the index list there are valid indices, too.
             unsafe {
                 let ids = self.lists.ids.add(from + at);
                 let (corners, code) = corners::<L>(self.lists, ids);
-                chunk.prepare::<L>(at, &corners, shared_origin);
+                chunk.prepare::<L, R>(at, &corners, shared_origin);
                 L::store_u(chunk.prim.as_mut_ptr().add(at), L::load_u(ids));
                 let met = L::common_bits(code, L::splat_u(MET));
                 let active = L::first(len - at);

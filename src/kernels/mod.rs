@@ -2,10 +2,14 @@
 //! every instruction set by the thin shells of [`Kernels`].
 
 mod bins;
+mod certain;
 mod cone;
+mod exact;
+mod fast;
 mod filter;
 mod lists;
 mod naive;
+mod open;
 mod overlap;
 mod partition;
 mod prepare;
@@ -14,6 +18,7 @@ mod sample;
 mod shells;
 mod slab;
 mod triangle;
+mod watertight;
 
 pub(crate) use bins::{BinBox, Binning, Bins, Item, MAX_BINS};
 pub(crate) use cone::{Cones, LEAST_PACKET};
@@ -25,7 +30,11 @@ pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_lef
 pub(crate) use shells::Kernels;
 pub use slab::PADDING;
 
+use crate::geometry::Aabb;
+use crate::methods::Precision;
+use crate::rays::Batch;
 use crate::rays::active::Streams;
+use crate::simd::Lanes;
 use glam::Vec3;
 
 /// The rays of one trace as the kernels see them.
@@ -46,12 +55,50 @@ pub(crate) struct Rays {
     pub prim: *mut u32,
     /// The origin, if the batch has only one.
     pub shared_origin: Option<Vec3>,
-    /// Whether some ray has an axis on which 1/d is not finite (stored as NaN).
+    /// Whether some ray has an axis on which 1/d is not finite (stored as NaN), or ends where t may
+    /// overflow.
     pub special: bool,
     /// The least `tmin` of all valid rays: the lower end of every node test.
     pub least_tmin: f32,
     /// Whether any hit will do.
     pub any_hit: bool,
+    pub precision: Precision,
+    pub tmax: Tmax,
+    /// The box around all triangles.
+    pub scene: Aabb,
+}
+
+/// Upper ends of the intervals of rays.
+#[derive(Clone, Copy)]
+pub(crate) struct Tmax {
+    /// That of all valid rays, if they have the same.
+    pub one: Option<f32>,
+    /// By ray id, as the batch has it.
+    pub each: *const f32,
+}
+
+impl Tmax {
+    pub fn of(batch: &Batch) -> Tmax {
+        Tmax {
+            one: None,
+            each: batch.tmax.as_ptr(),
+        }
+    }
+
+    /// Those of some lanes.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; in these lanes are ids of rays of the batch.
+    #[inline(always)]
+    unsafe fn gather<L: Lanes>(&self, id: L::U, lanes: L::M) -> L::F {
+        // SAFETY: as promised.
+        unsafe {
+            match self.one {
+                Some(tmax) => L::splat(tmax),
+                None => L::gather(self.each, id, lanes),
+            }
+        }
+    }
 }
 
 /// A list of active rays: a range of the streams. Starts are multiples of

@@ -2,7 +2,7 @@
 
 use super::triangle::{CHUNK, Chunk, Corners};
 use super::{Item, List, Rays};
-use crate::geometry::Triangle;
+use crate::geometry::{Aabb, Triangle};
 use crate::simd::{Lanes, MAX_LANES, load3};
 use glam::Vec3;
 
@@ -29,6 +29,16 @@ pub(crate) struct RayVector<L: Lanes> {
 pub(crate) unsafe trait RayList<L: Lanes> {
     fn len(&self) -> usize;
     fn shared_origin(&self) -> Option<Vec3>;
+
+    /// Upper ends of the intervals of some lanes of a vector.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; the vector is one of the list.
+    unsafe fn tmax(&self, v: &RayVector<L>, lanes: L::M) -> L::F;
+
+    /// The box around all triangles of the trace.
+    fn scene(&self) -> &Aabb;
+
     /// The vector from place `i` on.
     ///
     /// # Safety
@@ -76,7 +86,72 @@ pub(crate) trait TriangleList<L: Lanes> {
     ///
     /// # Safety
     /// The processor has `L`'s instruction set; `from` is below the length.
-    unsafe fn prepare(&mut self, from: usize, chunk: &mut Chunk, shared_origin: Option<Vec3>);
+    unsafe fn prepare<R: Record<L>>(
+        &mut self,
+        from: usize,
+        chunk: &mut Chunk,
+        shared_origin: Option<Vec3>,
+    );
+
+    /// A triangle of the mesh.
+    fn triangle(&self, prim: u32) -> &Triangle;
+}
+
+/// The best hits of a vector of rays so far.
+pub(crate) struct Best<L: Lanes> {
+    pub t: L::F,
+    /// Meaningless where nothing has changed.
+    pub prim: L::U,
+    /// Lanes that have found a better hit since they were loaded.
+    pub changed: L::M,
+}
+
+/// A triangle of a chunk.
+#[derive(Clone, Copy)]
+pub(crate) struct Candidate<'a> {
+    pub chunk: &'a Chunk,
+    pub j: usize,
+}
+
+/// The kernel of record of a precision: whether and where rays hit a triangle, and which of two hits
+/// comes first.
+pub(crate) trait Record<L: Lanes> {
+    /// Whether chunks need what bounds are made of.
+    const BOUNDED: bool;
+    /// Whether t is compared as it is stored. If not, [`Record::hit`] looks up what was found before.
+    const BY_STORED_T: bool;
+    /// What [`Record::may_hit`] needs of a vector of rays.
+    type Margin: Copy;
+
+    /// # Safety
+    /// The processor has `L`'s instruction set.
+    unsafe fn margin<const SHARED: bool>(
+        v: &RayVector<L>,
+        rays: &impl RayList<L>,
+    ) -> Self::Margin;
+
+    /// Lanes that may hit a triangle, wherever along the ray.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `of.j` is below [`CHUNK`].
+    unsafe fn may_hit<const SHARED: bool>(
+        of: Candidate,
+        v: &RayVector<L>,
+        margin: Self::Margin,
+    ) -> L::M;
+
+    /// Takes over the hits of a triangle that come before the best ones so far.
+    ///
+    /// # Safety
+    /// As for [`Record::may_hit`]; the vector is one of `rays`, and the triangle of `triangles`.
+    unsafe fn hit<const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
+        of: Candidate,
+        v: &RayVector<L>,
+        margin: Self::Margin,
+        best: &mut Best<L>,
+        rays: &impl RayList<L>,
+        triangles: &impl TriangleList<L>,
+    );
 }
 
 /// Intersects a list of rays with triangles and keeps the least (t, prim) of each ray; an any-hit
@@ -85,7 +160,13 @@ pub(crate) trait TriangleList<L: Lanes> {
 /// # Safety
 /// The processor has `L`'s instruction set, and both lists keep their promises.
 #[inline(always)]
-pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
+pub(crate) unsafe fn naive<
+    L: Lanes,
+    R: Record<L>,
+    const SHARED: bool,
+    const SPECIAL: bool,
+    const ANY: bool,
+>(
     rays: &mut impl RayList<L>,
     mut triangles: impl TriangleList<L>,
 ) {
@@ -95,50 +176,36 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
         let len = (triangles.len() - from).min(CHUNK);
         let last = from + len == triangles.len();
         // SAFETY: as promised; so below.
-        unsafe { triangles.prepare(from, &mut chunk, shared_origin) };
+        unsafe { triangles.prepare::<R>(from, &mut chunk, shared_origin) };
         for i in (0..rays.len()).step_by(L::N) {
             // SAFETY: as above.
             unsafe {
                 let v = rays.load::<SHARED>(i);
-                let mut t = v.t;
-                let mut prim = L::splat_u(0);
-                let mut changed = L::first(0);
+                let margin = R::margin::<SHARED>(&v, rays);
+                let mut best = Best {
+                    t: v.t,
+                    prim: L::splat_u(0),
+                    changed: L::first(0),
+                };
                 // Two loops: the first has no branch to be mispredicted, the second few rounds.
                 let mut candidates = 0u32;
                 for j in 0..len {
-                    let (inside, ..) = chunk.inside::<L, SHARED>(j, &v.origin, &v.direction);
-                    candidates |= ((L::bits(L::and(inside, v.active)) != 0) as u32) << j;
+                    let of = Candidate { chunk: &chunk, j };
+                    let may = R::may_hit::<SHARED>(of, &v, margin);
+                    candidates |= ((L::bits(L::and(may, v.active)) != 0) as u32) << j;
                 }
                 while candidates != 0 {
                     let j = candidates.trailing_zeros() as usize;
                     candidates &= candidates - 1;
-                    let (mut hit, t_hit) = chunk.intersect::<L, SHARED, SPECIAL>(
-                        j,
-                        &v.origin,
-                        &v.direction,
-                        &v.inverse,
-                        shared_origin,
-                        v.tmin,
-                        t,
-                        v.active,
-                    );
-                    if L::bits(hit) == 0 {
-                        continue;
-                    }
-                    if ANY {
-                        t = L::select(hit, L::splat(-1.0), t);
-                    } else {
-                        // Of equal t the lowest prim wins. Here among those that this vector has met;
-                        // what was found before is looked at once, in the end.
-                        let new = L::splat_u(chunk.prim[j]);
-                        let tie = L::and(L::and(hit, changed), L::eq(t_hit, t));
-                        hit = L::and_not(hit, L::and_not(tie, L::lt_u(new, prim)));
-                        t = L::select(hit, t_hit, t);
-                        prim = L::select_u(hit, new, prim);
-                    }
-                    changed = L::or(changed, hit);
+                    let of = Candidate { chunk: &chunk, j };
+                    R::hit::<SHARED, SPECIAL, ANY>(of, &v, margin, &mut best, rays, &triangles);
                 }
-                if !ANY {
+                let Best {
+                    t,
+                    prim,
+                    mut changed,
+                } = best;
+                if !ANY && R::BY_STORED_T {
                     // Often the very triangle that was hit before, met again. At t = tmax the one before
                     // is a miss's.
                     let tie = L::and(changed, L::eq(t, v.t));
@@ -167,6 +234,31 @@ pub(crate) unsafe fn naive<L: Lanes, const SHARED: bool, const SPECIAL: bool, co
     }
 }
 
+impl<L: Lanes> Best<L> {
+    /// Takes over hits at t where they come before the best so far, by t and prim as they are. What
+    /// was found before the vector was loaded is looked at once, in the end.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set.
+    #[inline(always)]
+    pub unsafe fn take<const ANY: bool>(&mut self, mut hit: L::M, t: L::F, prim: u32) {
+        // SAFETY: as promised.
+        unsafe {
+            hit = L::and(hit, L::le(t, self.t));
+            if ANY {
+                self.t = L::select(hit, L::splat(-1.0), self.t);
+            } else {
+                let new = L::splat_u(prim);
+                let tie = L::and(L::and(hit, self.changed), L::eq(t, self.t));
+                hit = L::and_not(hit, L::and_not(tie, L::lt_u(new, self.prim)));
+                self.t = L::select(hit, t, self.t);
+                self.prim = L::select_u(hit, new, self.prim);
+            }
+            self.changed = L::or(self.changed, hit);
+        }
+    }
+}
+
 /// A list of copied records.
 #[derive(Clone, Copy)]
 pub(crate) struct Copied<'a> {
@@ -184,6 +276,17 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
     #[inline(always)]
     fn shared_origin(&self) -> Option<Vec3> {
         self.rays.shared_origin
+    }
+
+    #[inline(always)]
+    unsafe fn tmax(&self, v: &RayVector<L>, lanes: L::M) -> L::F {
+        // SAFETY: as promised.
+        unsafe { self.rays.tmax.gather::<L>(v.id, lanes) }
+    }
+
+    #[inline(always)]
+    fn scene(&self) -> &Aabb {
+        &self.rays.scene
     }
 
     #[inline(always)]
@@ -259,7 +362,17 @@ impl<L: Lanes> TriangleList<L> for Items<'_> {
     }
 
     #[inline(always)]
-    unsafe fn prepare(&mut self, from: usize, chunk: &mut Chunk, shared_origin: Option<Vec3>) {
+    fn triangle(&self, prim: u32) -> &Triangle {
+        &self.triangles[prim as usize]
+    }
+
+    #[inline(always)]
+    unsafe fn prepare<R: Record<L>>(
+        &mut self,
+        from: usize,
+        chunk: &mut Chunk,
+        shared_origin: Option<Vec3>,
+    ) {
         let items = &self.items[from..];
         // Corners and box, one number a triangle.
         let mut rows = [[0f32; CHUNK]; 15];
@@ -285,7 +398,7 @@ impl<L: Lanes> TriangleList<L> for Items<'_> {
                     lo: row3::<L>(&rows, 9, at),
                     hi: row3::<L>(&rows, 12, at),
                 };
-                chunk.prepare::<L>(at, &corners, shared_origin);
+                chunk.prepare::<L, R>(at, &corners, shared_origin);
             }
         }
     }

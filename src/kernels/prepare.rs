@@ -1,20 +1,26 @@
 //! The first pass over rays and triangles: validity, inverse directions, boxes.
 
+use super::records::least_of;
+use super::slab::CREEPING;
 use super::{Item, Rays, bins::BinBox};
-use crate::geometry::{Mesh, Triangle};
+use crate::exact::has_area;
+use crate::geometry::Mesh;
+use crate::methods::Precision;
 use crate::rays::Batch;
 use crate::simd::Lanes;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// What the pass over the rays found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRays {
     /// Number of valid rays: the length of the root list.
     pub valid: usize,
-    /// Whether a valid ray has an axis on which 1/d is not finite.
+    /// Whether a valid ray has an axis on which 1/d is not finite, or ends where t may overflow.
     pub special: bool,
     /// The least tmin of the valid rays.
     pub least_tmin: f32,
+    /// The tmax of all of them, if it is the same.
+    pub one_tmax: Option<f32>,
 }
 
 /// Lanes of valid rays among the `left` rays from `at` on; see [`crate::Ray::is_valid`].
@@ -40,6 +46,52 @@ pub(super) unsafe fn valid<L: Lanes>(
             valid = L::and(valid, L::lt(L::abs(origin[axis]), infinity));
         }
         L::and(valid, nonzero)
+    }
+}
+
+/// 1/d, and where that is finite; where not, what [`SlabBox::interval`](super::slab::SlabBox) takes
+/// for it.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(super) unsafe fn inverse<L: Lanes>(d: L::F, precision: Precision) -> (L::F, L::M) {
+    // SAFETY: as promised.
+    unsafe {
+        let inverse = L::div(L::splat(1.0), d);
+        let finite = L::lt(L::abs(inverse), L::splat(f32::INFINITY));
+        let mut otherwise = L::splat(f32::NAN);
+        if precision == Precision::Exact {
+            let zero = L::eq(d, L::splat(0.0));
+            otherwise = L::select(zero, otherwise, L::splat(CREEPING));
+        }
+        (L::select(finite, inverse, otherwise), finite)
+    }
+}
+
+/// The number that lanes have in common, given the least and the greatest of each.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(super) unsafe fn one<L: Lanes>(least: L::F, greatest: L::F) -> Option<f32> {
+    // SAFETY: as promised.
+    unsafe {
+        let greatest = -least_of::<L>(L::sub(L::splat(0.0), greatest));
+        Some(least_of::<L>(least)).filter(|&least| least == greatest)
+    }
+}
+
+/// Rays that end, but so far away that a slab distance before the end may overflow.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(super) unsafe fn ends_far<L: Lanes>(tmax: L::F) -> L::M {
+    // SAFETY: as promised.
+    unsafe {
+        let far = L::lt(L::splat(f32::MAX / 2.0), tmax);
+        L::and(far, L::lt(tmax, L::splat(f32::INFINITY)))
     }
 }
 
@@ -129,11 +181,10 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
     // SAFETY: list places never pass ray places, and the streams have room behind the last ray; t
     // is written for the rays that there are.
     unsafe {
-        let one = L::splat(1.0);
-        let nan = L::splat(f32::NAN);
         let infinity = L::splat(f32::INFINITY);
         let mut least_tmin = infinity;
         let mut special = L::first(0);
+        let (mut first_tmax, mut last_tmax) = (infinity, L::splat(0.0));
         let mut n = 0;
         for at in (0..batch.len()).step_by(L::N) {
             let left = batch.len() - at;
@@ -143,15 +194,16 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
             let valid = L::and(valid::<L>(&origin, &direction, tmin, tmax), L::first(left));
             least_tmin = L::select(valid, L::min(tmin, least_tmin), least_tmin);
             for axis in 0..3 {
-                let inverse = L::div(one, direction[axis]);
-                let finite = L::lt(L::abs(inverse), infinity);
+                let (inverse, finite) = inverse::<L>(direction[axis], rays.precision);
                 special = L::or(special, L::and_not(valid, finite));
-                let inverse = L::select(finite, inverse, nan);
                 L::store(s.inverse[axis].add(n), L::compress(valid, inverse));
                 if !shared {
                     L::store(s.origin[axis].add(n), L::compress(valid, origin[axis]));
                 }
             }
+            special = L::or(special, L::and(valid, ends_far::<L>(tmax)));
+            first_tmax = L::select(valid, L::min(tmax, first_tmax), first_tmax);
+            last_tmax = L::select(valid, L::max(tmax, last_tmax), last_tmax);
             // Lanes behind the batch name a ray too: compressing may leave any lane behind the list.
             let id = L::select_u(
                 L::first(left),
@@ -168,24 +220,13 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
             }
             n += L::bits(valid).count_ones() as usize;
         }
-        let mut lanes = [f32::INFINITY; crate::simd::MAX_LANES];
-        L::store(lanes.as_mut_ptr(), least_tmin);
         PreparedRays {
             valid: n,
             special: L::bits(special) != 0,
-            least_tmin: lanes
-                .into_iter()
-                .fold(f32::INFINITY, |a, b| if b < a { b } else { a }),
+            least_tmin: least_of::<L>(least_tmin),
+            one_tmax: one::<L>(first_tmax, last_tmax),
         }
     }
-}
-
-/// Whether a triangle has an area: its cross product, in float64, is not zero.
-#[inline(always)]
-pub(super) fn has_area(t: &Triangle) -> bool {
-    let wide = |v: Vec3| DVec3::new(v.x as f64, v.y as f64, v.z as f64);
-    let (a, b, c) = (wide(t.a), wide(t.b), wide(t.c));
-    (b - a).cross(c - a) != DVec3::ZERO
 }
 
 /// Writes the items of all triangles that can be hit (valid and with an area), in file order, and

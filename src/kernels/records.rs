@@ -4,8 +4,10 @@
 use super::naive::{RayList, RayVector};
 use super::partition::{Test, partition};
 use super::prepare;
+use super::Tmax;
 use super::slab::SlabBox;
 use crate::geometry::Aabb;
+use crate::methods::Precision;
 use crate::rays::{Batch, MISS};
 use crate::simd::{Lanes, MAX_LANES};
 use glam::Vec3;
@@ -25,7 +27,7 @@ pub(crate) struct RayRecords {
     pub ids: *mut u32,
     /// The origin, if the batch has only one.
     pub shared_origin: Option<Vec3>,
-    /// Whether some ray has an axis on which 1/d is not finite.
+    /// Whether some ray has an axis on which 1/d is not finite, or ends where t may overflow.
     pub special: bool,
     /// The least `tmin` of all valid rays.
     pub least_tmin: f32,
@@ -33,6 +35,10 @@ pub(crate) struct RayRecords {
     pub one_tmin: bool,
     /// Whether any hit will do.
     pub any_hit: bool,
+    pub precision: Precision,
+    pub tmax: Tmax,
+    /// The box around all triangles.
+    pub scene: Aabb,
 }
 
 impl RayRecords {
@@ -86,12 +92,14 @@ impl Range {
 pub(crate) struct PreparedRecords {
     /// Valid rays.
     pub valid: usize,
-    /// Whether a valid ray has an axis on which 1/d is not finite.
+    /// Whether a valid ray has an axis on which 1/d is not finite, or ends where t may overflow.
     pub special: bool,
     /// The least tmin of the valid rays.
     pub least_tmin: f32,
     /// Whether all of them have that one.
     pub one_tmin: bool,
+    /// The tmax of all of them, if it is the same.
+    pub one_tmax: Option<f32>,
     /// The box around the origins of the valid rays.
     pub origins: Aabb,
 }
@@ -108,12 +116,11 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
 ) -> PreparedRecords {
     // SAFETY: index places never pass ray places.
     unsafe {
-        let one = L::splat(1.0);
-        let nan = L::splat(f32::NAN);
         let infinity = L::splat(f32::INFINITY);
         let mut least = [infinity; 4];
         let mut greatest = [L::splat(f32::NEG_INFINITY); 4];
         let mut special = L::first(0);
+        let (mut first_tmax, mut last_tmax) = (infinity, L::splat(0.0));
         let mut n = 0;
         for at in (0..batch.len()).step_by(L::N) {
             let left = batch.len() - at;
@@ -130,11 +137,14 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
                 let o = origin[axis];
                 least[axis] = L::select(valid, L::min(o, least[axis]), least[axis]);
                 greatest[axis] = L::select(valid, L::max(o, greatest[axis]), greatest[axis]);
-                let x = L::div(one, direction[axis]);
-                let finite = L::lt(L::abs(x), infinity);
+                let (x, finite) = prepare::inverse::<L>(direction[axis], rays.precision);
                 special = L::or(special, L::and_not(valid, finite));
-                inverse[axis] = L::select(finite, x, nan);
+                inverse[axis] = x;
             }
+            let far = prepare::ends_far::<L>(tmax);
+            special = L::or(special, L::and(valid, far));
+            first_tmax = L::select(valid, L::min(tmax, first_tmax), first_tmax);
+            last_tmax = L::select(valid, L::max(tmax, last_tmax), last_tmax);
             // An invalid ray's tmax may be the very mark of an occluded ray.
             let best = L::select(valid, tmax, infinity);
             let slab = [inverse[0], inverse[1], inverse[2], best];
@@ -163,6 +173,7 @@ pub(crate) unsafe fn prepare_records<L: Lanes>(
             valid: n,
             special: L::bits(special) != 0,
             least_tmin,
+            one_tmax: prepare::one::<L>(first_tmax, last_tmax),
             one_tmin: least_tmin == -least_of::<L>(L::sub(L::splat(0.0), greatest[3])),
             origins: Aabb {
                 min: Vec3::new(
@@ -388,6 +399,17 @@ unsafe impl<L: Lanes> RayList<L> for Indexed<'_, L> {
     #[inline(always)]
     fn shared_origin(&self) -> Option<Vec3> {
         self.rays.shared_origin
+    }
+
+    #[inline(always)]
+    unsafe fn tmax(&self, v: &RayVector<L>, lanes: L::M) -> L::F {
+        // SAFETY: as promised.
+        unsafe { self.rays.tmax.gather::<L>(v.id, lanes) }
+    }
+
+    #[inline(always)]
+    fn scene(&self) -> &Aabb {
+        &self.rays.scene
     }
 
     #[inline(always)]

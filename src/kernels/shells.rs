@@ -2,6 +2,8 @@
 
 use super::bins::{self, BinBox, Binning, Bins, Item};
 use super::cone::{self, Cones, PreparedCones};
+use super::exact::Exact;
+use super::fast::Fast;
 use super::filter::{self, Keep};
 use super::lists::{self, Listed, PreparedLists, Side, TriangleLists};
 use super::naive::{self, Copied, Items};
@@ -9,8 +11,11 @@ use super::overlap::{self, Overlap};
 use super::prepare::{self, PreparedRays};
 use super::records::{self, Directions, Done, Indexed, PreparedRecords, Range, RayRecords};
 use super::sample::{Candidate, Draw, SampleCounts, Samples};
+use super::watertight::Watertight;
 use super::{List, Rays};
+use crate::exact;
 use crate::geometry::{Aabb, Mesh, Triangle};
+use crate::methods::Precision;
 use crate::rays::Batch;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
@@ -48,6 +53,7 @@ pub(crate) struct Kernels {
     pub keep_cones: unsafe fn(&Cones, Range, &Aabb, Vec3) -> usize,
     /// Also given the cell and when rays are done; returns the place behind those that are.
     pub naive_indexed: unsafe fn(&RayRecords, Range, Listed, &Aabb, Done) -> usize,
+    pub round_hits: unsafe fn(&Batch, &[Triangle], &[u32], &mut [f32]),
 }
 
 impl Kernels {
@@ -84,6 +90,39 @@ macro_rules! by_batch {
     }};
 }
 
+/// Calls `$kernel::<L, Record, SPECIAL, ANY>` with the kernel of record of the precision. Only `fast`
+/// has instances for batches in which nothing is special: the others would gain nothing by it.
+macro_rules! by_record {
+    ($rays:expr, $usual:ident, |$record:ident, $special:ident, $any:ident| $call:expr) => {
+        match ($rays.precision, $rays.any_hit) {
+            (Precision::Fast, false) => {
+                by_record!(@ Fast, $usual, false, $record, $special, $any, $call)
+            }
+            (Precision::Fast, true) => {
+                by_record!(@ Fast, $usual, true, $record, $special, $any, $call)
+            }
+            (Precision::Watertight, false) => {
+                by_record!(@ Watertight, true, false, $record, $special, $any, $call)
+            }
+            (Precision::Watertight, true) => {
+                by_record!(@ Watertight, true, true, $record, $special, $any, $call)
+            }
+            (Precision::Exact, false) => {
+                by_record!(@ Exact, true, false, $record, $special, $any, $call)
+            }
+            (Precision::Exact, true) => {
+                by_record!(@ Exact, true, true, $record, $special, $any, $call)
+            }
+        }
+    };
+    (@ $a:ty, $b:expr, $c:literal, $record:ident, $special:ident, $any:ident, $call:expr) => {{
+        type $record = $a;
+        const $special: bool = $b;
+        const $any: bool = $c;
+        $call
+    }};
+}
+
 macro_rules! shells {
     ($isa:ident, $lanes:ty $(, #[$feature:meta])?) => {
         mod $isa {
@@ -112,6 +151,7 @@ macro_rules! shells {
                 flush,
                 keep_cones,
                 naive_indexed,
+                round_hits,
             };
 
             type L = $lanes;
@@ -204,14 +244,12 @@ macro_rules! shells {
             $(#[$feature])?
             unsafe fn naive(rays: &Rays, list: List, triangles: &[Triangle], items: &[Item]) {
                 let (mut list, triangles) = (Copied { rays, list }, Items { triangles, items });
-                by_batch!(rays, |SHARED, SPECIAL| {
+                by_batch!(rays, |SHARED, USUAL| {
                     // SAFETY: as above.
                     unsafe {
-                        if rays.any_hit {
-                            naive::naive::<L, SHARED, SPECIAL, true>(&mut list, triangles)
-                        } else {
-                            naive::naive::<L, SHARED, SPECIAL, false>(&mut list, triangles)
-                        }
+                        by_record!(rays, USUAL, |Record, SPECIAL, ANY| {
+                            naive::naive::<L, Record, SHARED, SPECIAL, ANY>(&mut list, triangles)
+                        })
                     }
                 });
             }
@@ -302,17 +340,26 @@ macro_rules! shells {
             ) -> usize {
                 // SAFETY: as above.
                 let mut list = unsafe { Indexed::<L>::new(rays, list, cell, when) };
-                by_batch!(rays, |SHARED, SPECIAL| {
+                by_batch!(rays, |SHARED, USUAL| {
                     // SAFETY: as above.
                     unsafe {
-                        if rays.any_hit {
-                            naive::naive::<L, SHARED, SPECIAL, true>(&mut list, triangles)
-                        } else {
-                            naive::naive::<L, SHARED, SPECIAL, false>(&mut list, triangles)
-                        }
+                        by_record!(rays, USUAL, |Record, SPECIAL, ANY| {
+                            naive::naive::<L, Record, SHARED, SPECIAL, ANY>(&mut list, triangles)
+                        })
                     }
                 });
                 list.done
+            }
+
+            $(#[$feature])?
+            unsafe fn round_hits(
+                batch: &Batch,
+                triangles: &[Triangle],
+                prim: &[u32],
+                t: &mut [f32],
+            ) {
+                // SAFETY: as above.
+                unsafe { exact::round_hits::<L>(batch, triangles, prim, t) }
             }
         }
     };

@@ -9,10 +9,17 @@ use glam::Vec3;
 ///
 /// A flat box has no thickness, and t of a hit is rounded otherwise than its slabs. 64 units in the
 /// last place; see the contract "one function of ray and triangle" in the README.
+///
+/// No hit of exact arithmetic is rejected: a slab distance `(x - o) / d` is rounded three times,
+/// which is 3 units, or 6 where 1/d is denormal. Where the product underflows, 2⁻¹⁵⁰ are lost,
+/// which [`UNDERFLOW`] covers.
 pub const PADDING: f32 = 64.0 / (1 << 24) as f32;
 
 const SHRINK: f32 = 1.0 - PADDING;
 const GROW: f32 = 1.0 + PADDING;
+
+/// How far slab intervals are widened besides.
+const UNDERFLOW: f32 = f32::MIN_POSITIVE / (1 << 14) as f32;
 
 /// A box, ready to be tested against vectors of rays.
 #[derive(Clone, Copy)]
@@ -53,8 +60,9 @@ impl<L: Lanes> SlabBox<L> {
     /// box encloses it.
     ///
     /// With `SPECIAL`, an axis whose inverse is NaN is unbounded if the origin lies between the
-    /// planes (inclusive) and empty otherwise. `min` and `max` give their second operand where one
-    /// is NaN, which passes over such an axis.
+    /// planes (inclusive) and empty otherwise; one whose inverse is [`CREEPING`] is always
+    /// unbounded. `min` and `max` give their second operand where one is NaN, which passes over
+    /// such an axis. And t near the largest float32 does not overflow.
     ///
     /// # Safety
     /// The processor has `L`'s instruction set.
@@ -85,8 +93,9 @@ impl<L: Lanes> SlabBox<L> {
             }
             if SPECIAL {
                 let empty = L::splat(f32::NEG_INFINITY);
+                near = L::min(near, L::splat(f32::MAX));
                 for axis in 0..3 {
-                    let unbounded = L::is_nan(inverse[axis]);
+                    let unbounded = L::and_not(L::is_nan(inverse[axis]), creeps::<L>(inverse[axis]));
                     let outside = if SHARED {
                         L::first(if self.outside[axis] { L::N } else { 0 })
                     } else {
@@ -96,7 +105,11 @@ impl<L: Lanes> SlabBox<L> {
                     far = L::select(L::and(unbounded, outside), empty, far);
                 }
             }
-            (L::mul(near, L::splat(SHRINK)), L::mul(far, L::splat(GROW)))
+            let underflow = L::splat(UNDERFLOW);
+            (
+                L::mul_sub(near, L::splat(SHRINK), underflow),
+                L::mul_add(far, L::splat(GROW), underflow),
+            )
         }
     }
 
@@ -130,12 +143,29 @@ impl<L: Lanes> SlabBox<L> {
                         let o = origin[axis];
                         L::and(L::lt(self.lo[axis], o), L::lt(o, self.hi[axis]))
                     };
+                    let within = L::and_not(within, creeps::<L>(inverse[axis]));
                     let stays = L::and_not(L::is_nan(inverse[axis]), within);
                     exit = L::select(stays, L::splat(f32::NEG_INFINITY), exit);
                 }
             }
-            L::mul(exit, L::splat(SHRINK))
+            L::mul_sub(exit, L::splat(SHRINK), L::splat(UNDERFLOW))
         }
+    }
+}
+
+/// The inverse of a component of a direction that is not zero, but so small that 1/d is infinite,
+/// in precision `exact`: over a long way the ray moves on that axis, too. A NaN with its sign bit
+/// set; without it, the ray does not move.
+pub(super) const CREEPING: f32 = f32::from_bits(0xffc0_0000);
+
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+unsafe fn creeps<L: Lanes>(inverse: L::F) -> L::M {
+    // SAFETY: as promised.
+    unsafe {
+        let negative = L::common_bits(L::to_bits(inverse), L::splat_u(1 << 31));
+        L::and(negative, L::is_nan(inverse))
     }
 }
 

@@ -1,4 +1,4 @@
-//! The kernel of record of `fast`: whether and where a ray hits a triangle, in float32.
+//! A ray and a triangle in float32: what all precisions compute, and all that `fast` does.
 //!
 //! Möller and Trumbore's test in the form with a normal: with e1 = a − b, e2 = c − a, N = e2 × e1
 //! and C = a − o, a ray hits where U = (C × d)·e2 and V = (C × d)·e1 have the sign of N·d and
@@ -8,7 +8,9 @@
 //! A batch that shares its origin has a kernel of record of its own: C is a constant of the
 //! triangle, and U = d·(e2 × C), V = d·(e1 × C) take one dot product each.
 
+use super::naive::{RayVector, Record};
 use super::slab::SlabBox;
+use super::certain;
 use crate::geometry::Aabb;
 use crate::simd::{Lanes, MAX_LANES};
 use glam::Vec3;
@@ -28,11 +30,13 @@ pub(crate) struct Chunk {
     u: [Numbers; 3],
     /// Factor of V: e1, or e1 × C.
     v: [Numbers; 3],
-    /// First corner; where the origin is shared, |N·C| in the first place.
+    /// First corner; where the origin is shared, |N·C| in the first place, |C| in the second.
     a: [Numbers; 3],
     /// The boxes.
     lo: [Numbers; 3],
     hi: [Numbers; 3],
+    /// No edge is longer; infinite where [`certain`](super::certain) has no bounds.
+    size: Numbers,
     pub prim: [u32; CHUNK],
 }
 
@@ -45,6 +49,16 @@ pub(crate) struct Corners<L: Lanes> {
     pub hi: [L::F; 3],
 }
 
+/// What decides about a vector of rays and a triangle.
+pub(crate) struct Edges<L: Lanes> {
+    pub u: L::F,
+    pub v: L::F,
+    /// Numerator of t.
+    pub num: L::F,
+    /// Denominator of t.
+    pub den: L::F,
+}
+
 impl Chunk {
     pub const ZERO: Chunk = Chunk {
         n: [[0.0; CHUNK]; 3],
@@ -53,16 +67,18 @@ impl Chunk {
         a: [[0.0; CHUNK]; 3],
         lo: [[0.0; CHUNK]; 3],
         hi: [[0.0; CHUNK]; 3],
+        size: [0.0; CHUNK],
         prim: [0; CHUNK],
     };
 
     /// Makes the constants of `L::N` triangles from place `at` on, folding a shared origin in if
-    /// there is one. Cross products are not fused: exactly zero for parallel edges of equal length.
+    /// there is one; what only bounds need if the precision has them. Cross products are not fused: exactly zero
+    /// for parallel edges of equal length.
     ///
     /// # Safety
     /// The processor has `L`'s instruction set; `at` is a multiple of `L::N` below [`CHUNK`].
     #[inline(always)]
-    pub unsafe fn prepare<L: Lanes>(
+    pub unsafe fn prepare<L: Lanes, R: Record<L>>(
         &mut self,
         at: usize,
         corners: &Corners<L>,
@@ -75,6 +91,11 @@ impl Chunk {
             let n = cross3::<L>(&e2, &e1);
             store3::<L>(&mut self.lo, at, lo);
             store3::<L>(&mut self.hi, at, hi);
+            let mut size = L::splat(0.0);
+            if R::BOUNDED {
+                let extent = sub3::<L>(hi, lo);
+                size = certain::if_ordinary::<L>(L::sqrt(dot::<L>(&extent, &extent)));
+            }
             match shared_origin {
                 None => {
                     store3::<L>(&mut self.n, at, &n);
@@ -93,7 +114,41 @@ impl Chunk {
                     store3::<L>(&mut self.u, at, &flip3::<L>(&cross3::<L>(&e2, &c), nc));
                     store3::<L>(&mut self.v, at, &flip3::<L>(&cross3::<L>(&e1, &c), nc));
                     L::store(self.a[0].as_mut_ptr().add(at), L::abs(nc));
+                    if R::BOUNDED {
+                        let distance = L::sqrt(dot::<L>(&c, &c));
+                        L::store(self.a[1].as_mut_ptr().add(at), distance);
+                        size = certain::if_sided::<L>(size, distance, L::abs(nc));
+                    }
                 }
+            }
+            if R::BOUNDED {
+                L::store(self.size.as_mut_ptr().add(at), size);
+            }
+        }
+    }
+
+    /// No edge of triangle `j` is longer; infinite if there are no bounds for it.
+    pub fn size(&self, j: usize) -> f32 {
+        self.size[j]
+    }
+
+    /// How far triangle `j`'s first corner is from the origins of rays.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
+    #[inline(always)]
+    pub unsafe fn distance<L: Lanes, const SHARED: bool>(
+        &self,
+        j: usize,
+        origin: &[L::F; 3],
+    ) -> L::F {
+        // SAFETY: as promised.
+        unsafe {
+            if SHARED {
+                L::splat(*self.a[1].get_unchecked(j))
+            } else {
+                let c = sub3::<L>(&splat3::<L>(&self.a, j), origin);
+                L::sqrt(dot::<L>(&c, &c))
             }
         }
     }
@@ -106,74 +161,77 @@ impl Chunk {
         }
     }
 
-    /// Lanes whose ray meets triangle `j`'s edges on their inner sides, wherever along it, and what
-    /// numerator and denominator of t are. NaN is outside.
+    /// U, V, and numerator and denominator of t, with the sign that makes U, V and the denominator
+    /// positive where triangle `j` is hit.
     ///
     /// # Safety
     /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
     #[inline(always)]
-    pub unsafe fn inside<L: Lanes, const SHARED: bool>(
+    pub unsafe fn edges<L: Lanes, const SHARED: bool>(
         &self,
         j: usize,
         origin: &[L::F; 3],
         direction: &[L::F; 3],
-    ) -> (L::M, L::F, L::F) {
+    ) -> Edges<L> {
         // SAFETY: as promised.
         unsafe {
             let n = splat3::<L>(&self.n, j);
             let den = dot::<L>(&n, direction);
-            let (u, v, numerator, den) = if SHARED {
-                let u = dot::<L>(&splat3::<L>(&self.u, j), direction);
-                let v = dot::<L>(&splat3::<L>(&self.v, j), direction);
-                (u, v, L::splat(*self.a[0].get_unchecked(j)), den)
+            if SHARED {
+                Edges {
+                    u: dot::<L>(&splat3::<L>(&self.u, j), direction),
+                    v: dot::<L>(&splat3::<L>(&self.v, j), direction),
+                    num: L::splat(*self.a[0].get_unchecked(j)),
+                    den,
+                }
             } else {
                 let a = splat3::<L>(&self.a, j);
                 let c = sub3::<L>(&a, origin);
                 let r = cross_lanes::<L>(&c, direction);
                 let u = dot::<L>(&splat3::<L>(&self.u, j), &r);
                 let v = dot::<L>(&splat3::<L>(&self.v, j), &r);
-                let (u, v) = (L::flip_sign(u, den), L::flip_sign(v, den));
-                let numerator = L::flip_sign(dot::<L>(&n, &c), den);
-                (u, v, numerator, L::abs(den))
-            };
-            let zero = L::splat(0.0);
-            let inside = L::and(L::le(zero, u), L::le(zero, v));
-            let inside = L::and(inside, L::le(L::add(u, v), den));
-            (inside, numerator, den)
+                Edges {
+                    u: L::flip_sign(u, den),
+                    v: L::flip_sign(v, den),
+                    num: L::flip_sign(dot::<L>(&n, &c), den),
+                    den: L::abs(den),
+                }
+            }
         }
     }
 
-    /// Lanes whose ray hits triangle `j` at `tmin < t <= tmax`, and their t.
+    /// The padded slab interval of triangle `j`'s own box.
     ///
     /// # Safety
     /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    pub unsafe fn intersect<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
+    pub unsafe fn clip<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         &self,
         j: usize,
-        origin: &[L::F; 3],
-        direction: &[L::F; 3],
-        inverse: &[L::F; 3],
+        v: &RayVector<L>,
         shared_origin: Option<Vec3>,
-        tmin: L::F,
-        tmax: L::F,
-        active: L::M,
-    ) -> (L::M, L::F) {
+    ) -> (L::F, L::F) {
         // SAFETY: as promised.
         unsafe {
-            let (inside, numerator, den) = self.inside::<L, SHARED>(j, origin, direction);
-            // A ray in the plane has den = 0, so that t is NaN or infinite: a miss.
-            let t = L::div(numerator, den);
-            let in_reach = L::and(L::lt(tmin, t), L::le(t, tmax));
-            let in_reach = L::and(in_reach, L::lt(t, L::splat(f32::INFINITY)));
-            let hit = L::and(L::and(inside, active), in_reach);
-            if L::bits(hit) == 0 {
-                return (hit, t);
-            }
             let slabs = SlabBox::<L>::new(&self.bounds(j), shared_origin);
-            let (near, far) = slabs.interval::<SHARED, SPECIAL>(inverse, origin, tmin);
-            (L::and(hit, L::and(L::le(near, t), L::le(t, far))), t)
+            slabs.interval::<SHARED, SPECIAL>(&v.inverse, &v.origin, v.tmin)
+        }
+    }
+}
+
+impl<L: Lanes> Edges<L> {
+    /// Lanes whose ray meets the triangle on the inner side of all edges, wherever along it. NaN
+    /// is outside.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set.
+    #[inline(always)]
+    pub unsafe fn inside(&self) -> L::M {
+        // SAFETY: as promised.
+        unsafe {
+            let zero = L::splat(0.0);
+            let inside = L::and(L::le(zero, self.u), L::le(zero, self.v));
+            L::and(inside, L::le(L::add(self.u, self.v), self.den))
         }
     }
 }

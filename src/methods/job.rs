@@ -31,6 +31,17 @@ pub(super) struct Job<'a> {
     pub audit: bool,
 }
 
+impl Job<'_> {
+    /// In precision `exact`, gives all hits the t of exact arithmetic, rounded once.
+    pub fn round(&self, hits: &mut Hits) {
+        if self.precision == Precision::Exact {
+            let triangles = self.mesh.triangles();
+            // SAFETY: the processor was checked.
+            unsafe { (self.kernels.round_hits)(self.batch, triangles, &hits.prim, &mut hits.t) }
+        }
+    }
+}
+
 /// Where the answers go.
 pub(super) enum Answer<'a> {
     Nearest(&'a mut Hits),

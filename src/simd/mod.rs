@@ -146,6 +146,25 @@ pub(crate) unsafe fn splat3<L: Lanes>(v: &[f32; 3]) -> [L::F; 3] {
     unsafe { [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])] }
 }
 
+/// Lanes whose bits are set.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(crate) unsafe fn lanes_of_bits<L: Lanes>(bits: u32) -> L::M {
+    const ONE: [u32; MAX_LANES] = {
+        let mut one = [0; MAX_LANES];
+        let mut lane = 0;
+        while lane < MAX_LANES {
+            one[lane] = 1 << lane;
+            lane += 1;
+        }
+        one
+    };
+    // SAFETY: as promised.
+    unsafe { L::common_bits(L::splat_u(bits), L::load_u(ONE.as_ptr())) }
+}
+
 /// The widest vector of any instance: lists start at multiples of it, and memory that kernels
 /// read by whole vectors has as much room behind its end.
 pub(crate) const MAX_LANES: usize = 16;

@@ -14,31 +14,39 @@ fn all_methods_and_instruction_sets_agree_with_the_naive_step() {
         (20_000, 700, true),
         (70, 3000, false),
     ] {
-        let case = Case::new(soup(triangles, 1), random_rays(rays, 2, shared));
-        let (expected, trace) = case.nearest(Tracer::new(brute_force()));
-        assert_eq!(trace.shared_origin, shared);
-        assert!(trace.invalid_rays > 0);
-        assert!(
-            expected.hit_count() > rays / 4,
-            "{} of {rays} hit",
-            expected.hit_count()
-        );
-        let occluded: Vec<u8> = expected.prim.iter().map(|&p| (p != MISS) as u8).collect();
-        for method in Method::ALL {
-            let mut counters = Vec::new();
-            for isa in Isa::available() {
-                let tracer = Tracer::new(method.parameters()).with_isa(isa);
-                let (hits, trace) = case.nearest(tracer);
-                assert_eq!(bits(&hits), bits(&expected), "{method} {isa}");
-                let (any, any_trace) = case.any(tracer);
-                assert_eq!(any, occluded, "{method} {isa} any");
-                counters.push((trace, any_trace));
-            }
-            assert!(
-                counters.iter().all(|c| c == &counters[0]),
-                "{method}: {counters:#?}"
-            );
+        for precision in Precision::ALL {
+            agree(rays, triangles, shared, precision);
         }
+    }
+}
+
+fn agree(rays: usize, triangles: usize, shared: bool, precision: Precision) {
+    let case = Case::new(soup(triangles, 1), random_rays(rays, 2, shared));
+    let (expected, trace) = case.nearest(Tracer::new(brute_force()).with_precision(precision));
+    assert_eq!(trace.shared_origin, shared);
+    assert!(trace.invalid_rays > 0);
+    assert!(
+        expected.hit_count() > rays / 4,
+        "{} of {rays} hit",
+        expected.hit_count()
+    );
+    let occluded: Vec<u8> = expected.prim.iter().map(|&p| (p != MISS) as u8).collect();
+    for method in Method::ALL {
+        let mut counters = Vec::new();
+        for isa in Isa::available() {
+            let tracer = Tracer::new(method.parameters())
+                .with_isa(isa)
+                .with_precision(precision);
+            let (hits, trace) = case.nearest(tracer);
+            assert_eq!(bits(&hits), bits(&expected), "{method} {isa} {precision}");
+            let (any, any_trace) = case.any(tracer);
+            assert_eq!(any, occluded, "{method} {isa} any");
+            counters.push((trace, any_trace));
+        }
+        assert!(
+            counters.iter().all(|c| c == &counters[0]),
+            "{method}: {counters:#?}"
+        );
     }
 }
 

@@ -3,6 +3,7 @@
 use super::*;
 use crate::geometry::Triangle;
 use crate::kernels::Kernels;
+use crate::kernels::fast::Fast;
 use crate::kernels::triangle::CHUNK;
 use crate::random::{below, hash};
 #[cfg(target_arch = "x86_64")]
@@ -231,13 +232,14 @@ unsafe fn step<L: Lanes>(lists: &TriangleLists, len: usize) -> (Vec<u32>, u64) {
     let mut chunk = Chunk::ZERO;
     let mut listed = Listed {
         lists,
+        triangles: &[],
         len,
         duplicates: &mut duplicates,
     };
     assert_eq!(TriangleList::<L>::len(&listed), len);
     for from in (0..len).step_by(CHUNK) {
         // SAFETY: as promised.
-        unsafe { TriangleList::<L>::prepare(&mut listed, from, &mut chunk, None) };
+        unsafe { TriangleList::<L>::prepare::<Fast>(&mut listed, from, &mut chunk, None) };
         prims.extend(&chunk.prim[..CHUNK.min(len - from)]);
     }
     (prims, duplicates)

@@ -2,10 +2,9 @@
 //! inner box passes every enclosing box passes, and a hit lies in the slabs of its triangle.
 
 use super::*;
-use crate::geometry::Triangle;
-use crate::kernels::Item;
-use crate::kernels::naive::{Items, TriangleList};
-use crate::kernels::triangle::Chunk;
+use crate::geometry::{Mesh, Triangle};
+use crate::methods::{Method, Precision, Tracer};
+use crate::rays::{Batch, Hits, MISS, Ray};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
 use crate::simd::{Isa, MAX_LANES, Portable};
@@ -150,36 +149,23 @@ proptest! {
         let ray = Slim { origin, direction: target - origin, tmin };
         prop_assume!(ray.direction != Vec3::ZERO && ray.direction.is_finite());
         let triangle = Triangle::new(a, b, c);
-        let item = Item::new(&triangle, 7);
-        for shared in [None, Some(origin)] {
-            let mut prepared = Chunk::ZERO;
-            let (triangles, items) = (&[triangle; 8], &[item]);
-            let mut list = Items { triangles, items };
-            // SAFETY: portable code runs everywhere.
-            unsafe { TriangleList::<Portable>::prepare(&mut list, 0, &mut prepared, shared) };
-            // SAFETY: portable code runs everywhere.
-            let (hit, t) = unsafe {
-                let splat = |v: [f32; 3]| v.map(|x| Portable::splat(x));
-                let (o, d, i) = (
-                    splat(origin.to_array()),
-                    splat(ray.direction.to_array()),
-                    splat(ray.inverse()),
-                );
-                let (tmin, tmax) = (Portable::splat(tmin), Portable::splat(f32::INFINITY));
-                let all = Portable::first(Portable::N);
-                if shared.is_some() {
-                    prepared.intersect::<Portable, true, true>(0, &o, &d, &i, shared, tmin, tmax, all)
-                } else {
-                    prepared.intersect::<Portable, false, true>(0, &o, &d, &i, shared, tmin, tmax, all)
-                }
-            };
-            if hit[0] {
-                let t = t[0];
+        let mesh = Mesh::new(vec![triangle]);
+        let batch: Batch = [Ray { origin, direction: ray.direction, tmin, tmax: f32::INFINITY }]
+            .into_iter()
+            .collect();
+        for (precision, own) in Precision::ALL.into_iter().flat_map(|p| [(p, false), (p, true)]) {
+            let tracer = Tracer::new(Method::Afra2012.parameters())
+                .with_precision(precision)
+                .with_own_origins(own);
+            let mut hits = Hits::misses(1);
+            tracer.nearest(&mesh, &batch, &mut tracer.workspace(1, 1), &mut hits);
+            if hits.prim[0] != MISS {
+                let t = hits.t[0];
                 prop_assert!(tmin < t && t < f32::INFINITY);
                 let own = triangle.bounds();
                 for b in [own, own.with_point(offset), own.with_point(origin)] {
                     let (near, far) = interval(&ray, &b);
-                    prop_assert!(near <= t && t <= far, "{near} {t} {far} {b:?}");
+                    prop_assert!(near <= t && t <= far, "{precision}: {near} {t} {far} {b:?}");
                     // As nodes are tested: with the least tmin of the batch.
                     let (near, far) = interval(&Slim { tmin: 0.0, ..ray }, &b);
                     prop_assert!(near <= t && t <= far);

@@ -2,7 +2,8 @@
 
 use super::divide::Divide;
 use super::{Memory, ObjectParameters};
-use crate::kernels::{List, Rays};
+use crate::geometry::Aabb;
+use crate::kernels::{List, Rays, Tmax};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
 use crate::rays::MISS;
@@ -34,14 +35,19 @@ pub(in crate::methods) fn trace(
         special: false,
         least_tmin: 0.0,
         any_hit: matches!(answer, Answer::Any(_)),
+        precision: job.precision,
+        tmax: Tmax::of(job.batch),
+        scene: Aabb::EMPTY,
     };
     // SAFETY: the processor was checked; the memory has room for the batch.
     let prepared = unsafe { (kernels.prepare_rays)(job.batch, &rays) };
     rays.special = prepared.special;
     rays.least_tmin = prepared.least_tmin;
+    rays.tmax.one = prepared.one_tmax;
     let items = &mut memory.items[..job.mesh.len()];
     // SAFETY: as above.
     let (items, bounds) = unsafe { (kernels.prepare_triangles)(job.mesh, items) };
+    rays.scene = bounds.bounds();
 
     let mut divide = Divide {
         kernels,
@@ -61,13 +67,14 @@ pub(in crate::methods) fn trace(
         start: 0,
         len: prepared.valid,
     };
-    divide.start(bounds.bounds(), root);
+    divide.start(rays.scene, root);
     let counters = divide.counters;
     match answer {
         Answer::Nearest(hits) => {
             for (t, &prim) in hits.t.iter_mut().zip(&hits.prim) {
                 *t = if prim == MISS { f32::INFINITY } else { *t };
             }
+            job.round(hits);
         }
         Answer::Any(occluded) => {
             for (occluded, &t) in occluded.iter_mut().zip(&memory.t) {

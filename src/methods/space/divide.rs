@@ -2,7 +2,7 @@
 
 use super::SpaceParameters;
 use super::cell::Cell;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{
     Cones, Directions, Done, Kernels, Listed, Overlap, Range, RayRecords, Side, TriangleLists,
 };
@@ -17,6 +17,7 @@ pub(super) struct Divide<'a> {
     pub parameters: &'a SpaceParameters,
     pub rays: RayRecords,
     pub lists: TriangleLists,
+    pub triangles: &'a [Triangle],
     pub cones: Cones,
     /// The box around all origins.
     pub origins: Aabb,
@@ -134,6 +135,7 @@ impl Divide<'_> {
         self.counters.ray_triangle += (list.len() * part.triangles) as u64;
         let triangles = Listed {
             lists: &self.lists,
+            triangles: self.triangles,
             len: part.triangles,
             duplicates: &mut self.counters.duplicates,
         };

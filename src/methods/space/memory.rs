@@ -1,9 +1,9 @@
 //! The memory of a trace that splits space.
 
-use crate::kernels::{Cones, LEAST_PACKET, RAYS_AHEAD, RayRecords, TriangleLists};
-use crate::rays::Batch;
+use crate::geometry::Aabb;
+use crate::kernels::{Cones, LEAST_PACKET, RAYS_AHEAD, RayRecords, Tmax, TriangleLists};
+use crate::methods::job::Job;
 use crate::simd::MAX_LANES;
-use glam::Vec3;
 
 /// Two records in one cache line.
 #[derive(Clone, Copy)]
@@ -71,22 +71,20 @@ impl Memory {
     }
 
     /// The records of rays, of which nothing is known yet.
-    pub(super) fn rays(
-        &mut self,
-        batch: &Batch,
-        shared_origin: Option<Vec3>,
-        any_hit: bool,
-    ) -> RayRecords {
+    pub(super) fn rays(&mut self, job: &Job, any_hit: bool) -> RayRecords {
         RayRecords {
             slabs: self.slabs.as_mut_ptr().cast(),
             directions: self.directions.as_mut_ptr(),
-            tmin: batch.tmin.as_ptr(),
+            tmin: job.batch.tmin.as_ptr(),
             ids: self.ray_ids.as_mut_ptr(),
-            shared_origin,
+            shared_origin: job.shared_origin,
             special: false,
             least_tmin: 0.0,
             one_tmin: false,
             any_hit,
+            precision: job.precision,
+            tmax: Tmax::of(job.batch),
+            scene: Aabb::EMPTY,
         }
     }
 

@@ -22,7 +22,7 @@ pub(in crate::methods) fn trace(
     };
     let any_hit = matches!(answer, Answer::Any(_));
     let (lists, cones) = (memory.lists(), memory.cones());
-    let mut rays = memory.rays(batch, job.shared_origin, any_hit);
+    let mut rays = memory.rays(job, any_hit);
     // SAFETY: the processor was checked; the memory has room for batch and mesh.
     let (of_rays, of_triangles) = unsafe {
         (
@@ -33,12 +33,15 @@ pub(in crate::methods) fn trace(
     rays.special = of_rays.special;
     rays.least_tmin = of_rays.least_tmin;
     rays.one_tmin = of_rays.one_tmin;
+    rays.tmax.one = of_rays.one_tmax;
+    rays.scene = of_triangles.bounds;
 
     let mut divide = Divide {
         kernels,
         parameters,
         rays,
         lists,
+        triangles: job.mesh.triangles(),
         cones,
         origins: of_rays.origins,
         order: match (variant, parameters.octants) {
@@ -95,11 +98,12 @@ pub(in crate::methods) fn trace(
     let shared = job.shared_origin.is_some();
     match answer {
         Answer::Nearest(hits) => {
-            let hits = hits.t.iter_mut().zip(&mut hits.prim);
-            for ((t, prim), (best, found)) in hits.zip(memory.best(shared)) {
+            let records = hits.t.iter_mut().zip(&mut hits.prim);
+            for ((t, prim), (best, found)) in records.zip(memory.best(shared)) {
                 *prim = found;
                 *t = if found == MISS { f32::INFINITY } else { best };
             }
+            job.round(hits);
         }
         Answer::Any(occluded) => {
             for (occluded, (best, _)) in occluded.iter_mut().zip(memory.best(shared)) {
