@@ -49,6 +49,8 @@
 //! when another method is the better choice, and how fast this one is beside Embree.
 
 pub mod bench;
+#[allow(dead_code, unused_imports)] // Until precision `exact` is wired in.
+mod exact;
 pub mod geometry;
 mod kernels;
 mod methods;

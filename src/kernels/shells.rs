@@ -10,6 +10,7 @@ use super::prepare::{self, PreparedRays};
 use super::records::{self, Directions, Done, Indexed, PreparedRecords, Range, RayRecords};
 use super::sample::{Candidate, Draw, SampleCounts, Samples};
 use super::{List, Rays};
+use crate::exact;
 use crate::geometry::{Aabb, Mesh, Triangle};
 use crate::rays::Batch;
 #[cfg(target_arch = "x86_64")]
@@ -48,6 +49,7 @@ pub(crate) struct Kernels {
     pub keep_cones: unsafe fn(&Cones, Range, &Aabb, Vec3) -> usize,
     /// Also given the cell and when rays are done; returns the place behind those that are.
     pub naive_indexed: unsafe fn(&RayRecords, Range, Listed, &Aabb, Done) -> usize,
+    pub round_hits: unsafe fn(&Batch, &[Triangle], &[u32], &mut [f32]),
 }
 
 impl Kernels {
@@ -112,6 +114,7 @@ macro_rules! shells {
                 flush,
                 keep_cones,
                 naive_indexed,
+                round_hits,
             };
 
             type L = $lanes;
@@ -313,6 +316,17 @@ macro_rules! shells {
                     }
                 });
                 list.done
+            }
+
+            $(#[$feature])?
+            unsafe fn round_hits(
+                batch: &Batch,
+                triangles: &[Triangle],
+                prim: &[u32],
+                t: &mut [f32],
+            ) {
+                // SAFETY: as above.
+                unsafe { exact::round_hits::<L>(batch, triangles, prim, t) }
             }
         }
     };
