@@ -25,7 +25,7 @@ fn float(seed: u64, i: u64) -> f32 {
 
 /// Compares the sign, and the size, of a number in units of
 /// 2^(−149 `factors`).
-fn check<const LIMBS: usize>(found: &Wide<LIMBS>, factors: usize, expected: &RBig) {
+fn check<const LIMBS: usize>(found: &Wide<LIMBS>, factors: isize, expected: &RBig) {
     assert_eq!(found.sign(), expected.cmp(&RBig::ZERO));
     // Limbs in turn, least first.
     let units = found.limbs().iter().rev().fold(RBig::ZERO, |sum, &limb| {
