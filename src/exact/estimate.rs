@@ -20,7 +20,6 @@
 
 use crate::Triangle;
 use glam::{DVec3, Vec3};
-use std::cmp::Ordering;
 
 /// Half the distance of 1 from the next float64.
 pub(super) const EPSILON: f64 = f64::EPSILON / 2.0;
@@ -43,14 +42,17 @@ impl Estimate {
         }
     }
 
-    /// The sign of the exact number, if the bound tells.
-    fn sign(self) -> Option<Ordering> {
-        if self.value.abs() > self.error {
-            self.value.partial_cmp(&0.0)
-        } else {
-            // All terms are zero.
-            (self.error == 0.0).then_some(Ordering::Equal)
-        }
+    fn is_negative(self) -> bool {
+        self.value < -self.error
+    }
+
+    fn is_positive(self) -> bool {
+        self.value > self.error
+    }
+
+    /// Whether the bound does not tell the sign. It does where it is zero: all terms are zero.
+    fn is_open(self) -> bool {
+        self.value.abs() <= self.error && self.error > 0.0
     }
 }
 
@@ -109,17 +111,21 @@ impl Estimates {
         let (v, v_sizes) = (-moment.dot(self.ab), moment_sizes.dot(self.ab.abs()));
         let rest = self.determinant - u - v;
         let rest_sizes = self.determinant_sizes + u_sizes + v_sizes;
-        let signs = [(u, u_sizes), (v, v_sizes), (rest, rest_sizes)]
-            .map(|(value, sizes)| Estimate::new(value, sizes).sign());
-        // The three have N·d for a sum: all of one sign, it is not zero; two of different signs,
-        // the point is outside, or there is none.
-        let (less, greater) = (Some(Ordering::Less), Some(Ordering::Greater));
-        if signs.contains(&less) && signs.contains(&greater) {
+        let [u, v, rest] = [
+            Estimate::new(u, u_sizes),
+            Estimate::new(v, v_sizes),
+            Estimate::new(rest, rest_sizes),
+        ];
+        // The three have N·d for a sum: with two of different signs the point is outside, or there
+        // is none; with all of one sign or zero, N·d is zero only if they all are.
+        let negative = u.is_negative() | v.is_negative() | rest.is_negative();
+        let positive = u.is_positive() | v.is_positive() | rest.is_positive();
+        if negative && positive {
             Some(false)
-        } else if signs.contains(&None) {
+        } else if u.is_open() | v.is_open() | rest.is_open() {
             None
         } else {
-            Some(signs.contains(&less) || signs.contains(&greater))
+            Some(negative || positive)
         }
     }
 

@@ -1,6 +1,7 @@
 //! The answers of this module beside those of plain rational numbers.
 
 mod area;
+mod figures;
 mod hits;
 mod meeting;
 mod oracle;
