@@ -234,10 +234,7 @@ pub(super) unsafe fn say<L: Lanes, const SHARED: bool>(
         let known = L::and(L::and(sided, within), bounded);
 
         let late = L::lt(best, L::mul(t, L::splat(1.0 - WITHIN)));
-        let no = L::or(
-            L::and(bounded, L::or(outside, behind)),
-            L::and(known, late),
-        );
+        let no = L::or(L::and(bounded, L::or(outside, behind)), L::and(known, late));
         let yes = L::and_not(possible, no);
         let sure = L::and(yes, L::and(inside, known));
         Said {

@@ -125,10 +125,7 @@ pub(crate) trait Record<L: Lanes> {
 
     /// # Safety
     /// The processor has `L`'s instruction set.
-    unsafe fn margin<const SHARED: bool>(
-        v: &RayVector<L>,
-        rays: &impl RayList<L>,
-    ) -> Self::Margin;
+    unsafe fn margin<const SHARED: bool>(v: &RayVector<L>, rays: &impl RayList<L>) -> Self::Margin;
 
     /// Lanes that may hit a triangle, wherever along the ray.
     ///

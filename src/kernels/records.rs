@@ -1,10 +1,10 @@
 //! Rays by number: records that stay where they are, and an index list of the active ones (Mora 2011,
 //! section 3.2).
 
+use super::Tmax;
 use super::naive::{RayList, RayVector};
 use super::partition::{Test, partition};
 use super::prepare;
-use super::Tmax;
 use super::slab::SlabBox;
 use crate::geometry::Aabb;
 use crate::methods::Precision;

@@ -95,7 +95,8 @@ impl<L: Lanes> SlabBox<L> {
                 let empty = L::splat(f32::NEG_INFINITY);
                 near = L::min(near, L::splat(f32::MAX));
                 for axis in 0..3 {
-                    let unbounded = L::and_not(L::is_nan(inverse[axis]), creeps::<L>(inverse[axis]));
+                    let unbounded =
+                        L::and_not(L::is_nan(inverse[axis]), creeps::<L>(inverse[axis]));
                     let outside = if SHARED {
                         L::first(if self.outside[axis] { L::N } else { 0 })
                     } else {

@@ -8,9 +8,9 @@
 //! A batch that shares its origin has a kernel of record of its own: C is a constant of the
 //! triangle, and U = d·(e2 × C), V = d·(e1 × C) take one dot product each.
 
+use super::certain;
 use super::naive::{RayVector, Record};
 use super::slab::SlabBox;
-use super::certain;
 use crate::geometry::Aabb;
 use crate::simd::{Lanes, MAX_LANES};
 use glam::Vec3;

@@ -11,7 +11,11 @@ fn number(seed: u64, i: u64, k: u64) -> f32 {
 }
 
 fn point(seed: u64, i: u64, k: u64) -> Vec3 {
-    Vec3::new(number(seed, i, k), number(seed, i, k + 1), number(seed, i, k + 2))
+    Vec3::new(
+        number(seed, i, k),
+        number(seed, i, k + 1),
+        number(seed, i, k + 2),
+    )
 }
 
 /// Triangles that share corners, some flat, some of them twice, some without an area.
@@ -99,8 +103,14 @@ fn check(mesh: &Mesh, batch: &Batch, name: &str) {
             if let Some(&i) = wrong.first() {
                 panic!(
                     "{name} {method} {isa}: {} of {} wrong; ray {i} {:?} any {}: {:e} {} not {:e} {}",
-                    wrong.len(), batch.len(), batch.ray(i), occluded[i], hits.t[i], hits.prim[i],
-                    f32::from_bits(expected[i].0), expected[i].1
+                    wrong.len(),
+                    batch.len(),
+                    batch.ray(i),
+                    occluded[i],
+                    hits.t[i],
+                    hits.prim[i],
+                    f32::from_bits(expected[i].0),
+                    expected[i].1
                 );
             }
         }
