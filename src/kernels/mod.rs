@@ -3,6 +3,7 @@
 
 mod bins;
 mod cone;
+mod copies;
 mod filter;
 mod lists;
 mod naive;
@@ -17,6 +18,7 @@ mod triangle;
 
 pub(crate) use bins::{BinBox, Binning, Bins, Item, MAX_BINS};
 pub(crate) use cone::{Cones, LEAST_PACKET};
+pub(crate) use copies::{Copies, IndexList, ItemList};
 pub(crate) use filter::{BLOCK, Keep};
 pub(crate) use lists::{Listed, Side, TriangleLists};
 pub(crate) use overlap::Overlap;
