@@ -6,6 +6,11 @@
 //! the triangle there. The other axes hold the triangle itself against the cell, and a hit need not
 //! lie on it: t is rounded. [`MARGIN`] covers that for rays whose angle to the triangle's normal has a
 //! cosine of at least 2⁻¹⁰; for more grazing rays there is no bound.
+//!
+//! In precision `exact` a hit lies on the triangle, whatever the angle. What remains is the rounding of
+//! these axes themselves: with a corner p relative to the cell's centre and an edge e, five roundings
+//! of products |p| |e|, which [`ROUNDING`] |p| on each side of the cell covers; and of the plane's,
+//! nine of |e| |f| (|p| + half the cell).
 
 use super::lists::{Side, TriangleLists, corners};
 use super::partition::{Test, partition};
@@ -16,6 +21,12 @@ use crate::simd::{Lanes, splat3};
 /// How far from its triangle a hit may be, over the sum of the distances from the ray's origin to the
 /// triangle's corner and to the hit: eight roundings of 2⁻²⁴ over the least cosine, 2⁻¹⁰.
 const MARGIN: f32 = 1.0 / (1 << 11) as f32;
+
+/// Of the axes, over the 1-norm of what is multiplied.
+const ROUNDING: f32 = 12.0 / (1 << 24) as f32;
+
+/// More than what underflow may take from the products of an axis.
+const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 /// What triangles are held against.
 #[derive(Clone, Copy)]
@@ -58,43 +69,55 @@ impl<L: Lanes> Reaches<'_, L> {
                 );
                 far = L::add(far, distance);
             }
-            let margin = L::mul_add(far, L::splat(MARGIN), self.margin);
-            let half = [
-                L::add(self.half[0], margin),
-                L::add(self.half[1], margin),
-                L::add(self.half[2], margin),
-            ];
             let corners = [
                 sub3::<L>(&t.a, &self.center),
                 sub3::<L>(&t.b, &self.center),
                 sub3::<L>(&t.c, &self.center),
             ];
+            let size = L::max(
+                sum_of_sizes::<L>(&corners[0]),
+                L::max(
+                    sum_of_sizes::<L>(&corners[1]),
+                    sum_of_sizes::<L>(&corners[2]),
+                ),
+            );
+            let margin = L::mul_add(far, L::splat(MARGIN), self.margin);
+            let margin = L::mul_add(size, L::splat(ROUNDING), margin);
+            let half = [
+                L::add(self.half[0], margin),
+                L::add(self.half[1], margin),
+                L::add(self.half[2], margin),
+            ];
+            let edges = [
+                sub3::<L>(&t.b, &t.a),
+                sub3::<L>(&t.c, &t.b),
+                sub3::<L>(&t.a, &t.c),
+            ];
             let mut apart = L::first(0);
-            for k in 0..3 {
+            for (k, e) in edges.iter().enumerate() {
                 // The corners at either end of the edge have the same place on its axes.
-                let (from, to, other) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-                let e = sub3::<L>(&to, &from);
+                let (from, other) = (&corners[k], &corners[(k + 2) % 3]);
                 for axis in 0..3 {
                     let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
                     let p = L::mul_sub(from[y], e[z], L::mul(from[z], e[y]));
                     let q = L::mul_sub(other[y], e[z], L::mul(other[z], e[y]));
-                    let r = L::mul_add(half[y], L::abs(e[z]), L::mul(half[z], L::abs(e[y])));
+                    let r = L::mul_add(half[z], L::abs(e[y]), L::splat(UNDERFLOW));
+                    let r = L::mul_add(half[y], L::abs(e[z]), r);
                     let (least, greatest) = (L::min(p, q), L::max(p, q));
                     apart = L::or(apart, L::lt(r, least));
                     apart = L::or(apart, L::lt(greatest, L::sub(L::splat(0.0), r)));
                 }
             }
             if self.by.plane {
-                let (e, f) = (sub3::<L>(&t.b, &t.a), sub3::<L>(&t.c, &t.a));
-                let n = cross3::<L>(&e, &f);
+                let (e, f) = (&edges[0], &edges[2]);
+                let n = cross3::<L>(e, f);
                 let size = [L::abs(n[0]), L::abs(n[1]), L::abs(n[2])];
+                let reach = L::add(sum_of_sizes::<L>(&corners[0]), sum_of_sizes::<L>(&half));
                 let rounding = L::mul(
-                    L::mul(sum_of_sizes::<L>(&e), sum_of_sizes::<L>(&f)),
-                    L::mul(
-                        sum_of_sizes::<L>(&corners[0]),
-                        L::splat(8.0 / (1 << 24) as f32),
-                    ),
+                    L::mul(sum_of_sizes::<L>(e), sum_of_sizes::<L>(f)),
+                    L::mul(reach, L::splat(ROUNDING)),
                 );
+                let rounding = L::add(rounding, L::splat(UNDERFLOW));
                 let r = L::add(dot::<L>(&half, &size), rounding);
                 apart = L::or(apart, L::lt(r, L::abs(dot::<L>(&n, &corners[0]))));
             }

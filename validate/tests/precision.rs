@@ -75,7 +75,29 @@ fn rays(mesh: &Mesh, n: usize, seed: u64, shared: bool, scale: f32) -> Batch {
     (0..n as u64).map(ray).collect()
 }
 
-fn check(mesh: &Mesh, batch: &Batch, name: &str) {
+/// Parameters of all methods, as they are and down to the smallest leaves.
+fn parameters() -> Vec<Parameters> {
+    let presets = Method::ALL.map(Method::parameters).into_iter();
+    let finest = presets.clone().map(|preset| match preset {
+        Parameters::Object(p) => Parameters::Object(ObjectParameters {
+            leaf_triangles: 1,
+            leaf_rays: 0,
+            min_rays: 0,
+            ..p
+        }),
+        Parameters::Space(p) => Parameters::Space(SpaceParameters {
+            ray_limit: 1,
+            triangle_limit: 1,
+            cone_limit: 1,
+            widest_cone: 60.0,
+            plane_test: true,
+            ..p
+        }),
+    });
+    presets.chain(finest).collect()
+}
+
+fn check(mesh: &Mesh, batch: &Batch, isa: Isa, name: &str) {
     let arbiter = Arbiter::new(mesh);
     let expected: Vec<(u32, u32)> = batch
         .iter()
@@ -84,33 +106,57 @@ fn check(mesh: &Mesh, batch: &Batch, name: &str) {
             None => (f32::INFINITY.to_bits(), MISS),
         })
         .collect();
-    for method in Method::ALL {
-        for isa in Isa::available() {
-            let tracer = Tracer::new(method.parameters())
-                .with_precision(Precision::Exact)
-                .with_isa(isa);
-            let mut workspace = tracer.workspace(batch.len(), mesh.len());
-            let mut hits = Hits::misses(batch.len());
-            tracer.nearest(mesh, batch, &mut workspace, &mut hits);
-            let mut occluded = vec![7; batch.len()];
-            tracer.any(mesh, batch, &mut workspace, &mut occluded);
-            let wrong: Vec<usize> = (0..batch.len())
-                .filter(|&i| {
-                    (hits.t[i].to_bits(), hits.prim[i]) != expected[i]
-                        || (occluded[i] == 1) != (expected[i].1 != MISS)
-                })
-                .collect();
-            if let Some(&i) = wrong.first() {
-                panic!(
-                    "{name} {method} {isa}: {} of {} wrong; ray {i} {:?} any {}: {:e} {} not {:e} {}",
-                    wrong.len(),
-                    batch.len(),
-                    batch.ray(i),
-                    occluded[i],
-                    hits.t[i],
-                    hits.prim[i],
-                    f32::from_bits(expected[i].0),
-                    expected[i].1
+    for parameters in parameters() {
+        let tracer = Tracer::new(parameters)
+            .with_precision(Precision::Exact)
+            .with_isa(isa);
+        let mut workspace = tracer.workspace(batch.len(), mesh.len());
+        let mut hits = Hits::misses(batch.len());
+        tracer.nearest(mesh, batch, &mut workspace, &mut hits);
+        let mut occluded = vec![7; batch.len()];
+        tracer.any(mesh, batch, &mut workspace, &mut occluded);
+        let wrong: Vec<usize> = (0..batch.len())
+            .filter(|&i| {
+                (hits.t[i].to_bits(), hits.prim[i]) != expected[i]
+                    || (occluded[i] == 1) != (expected[i].1 != MISS)
+            })
+            .collect();
+        if let Some(&i) = wrong.first() {
+            panic!(
+                "{name} {parameters:?} {isa}: {} of {} wrong; ray {i} {:?} any {}: {:e} {} not {:e} {}",
+                wrong.len(),
+                batch.len(),
+                batch.ray(i),
+                occluded[i],
+                hits.t[i],
+                hits.prim[i],
+                f32::from_bits(expected[i].0),
+                expected[i].1
+            );
+        }
+    }
+}
+
+#[test]
+fn exact_is_what_the_arbiter_says() {
+    for (seed, scale) in [
+        (1, 1.0),
+        (2, 1e-6),
+        (3, 1e6),
+        (4, 1e-38),
+        (5, 1e18),
+        (6, 1e-20),
+    ] {
+        for shared in [false, true] {
+            let mesh = mesh(300, seed, scale);
+            for isa in Isa::available() {
+                let n = if isa == Isa::Portable { 150 } else { 600 };
+                let batch = rays(&mesh, n, seed, shared, scale);
+                check(
+                    &mesh,
+                    &batch,
+                    isa,
+                    &format!("scale {scale} shared {shared}"),
                 );
             }
         }
@@ -118,12 +164,21 @@ fn check(mesh: &Mesh, batch: &Batch, name: &str) {
 }
 
 #[test]
-fn exact_is_what_the_arbiter_says() {
-    for (seed, scale) in [(1, 1.0), (2, 1e-6), (3, 1e6), (4, 1e-38), (5, 1e18)] {
-        for shared in [false, true] {
-            let mesh = mesh(400, seed, scale);
-            let batch = rays(&mesh, 2000, seed, shared, scale);
-            check(&mesh, &batch, &format!("scale {scale} shared {shared}"));
+fn exact_in_a_mixture_of_scales() {
+    for shared in [false, true] {
+        let scales = [1e-6, 1e-3, 1.0, 1e3, 1e6];
+        let parts = scales.map(|scale| mesh(80, 9, scale).into_triangles());
+        let mesh = Mesh::new(parts.concat());
+        for isa in Isa::available().filter(|&isa| isa != Isa::Portable) {
+            for scale in scales {
+                let batch = rays(&mesh, 500, 9, shared, scale);
+                check(
+                    &mesh,
+                    &batch,
+                    isa,
+                    &format!("rays of scale {scale} shared {shared}"),
+                );
+            }
         }
     }
 }
