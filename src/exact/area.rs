@@ -5,7 +5,9 @@ use super::whole;
 use crate::Triangle;
 use glam::{DVec3, Vec3};
 
-/// Whether the corners of a triangle of finite coordinates are not in one line.
+/// Whether the corners of a triangle of finite coordinates are not in one line; about 5 ns.
+///
+/// Float64 tells for all triangles of the Conference scene, a sixth of which have no area.
 #[inline]
 pub(crate) fn has_area(triangle: &Triangle) -> bool {
     match decide(triangle) {

@@ -35,7 +35,7 @@ pub(super) fn pair(family: u32, i: u64) -> Pair {
     let (mut corner_range, mut origin_range, mut direction_range) = ((0, 0), (0, 0), (0, 0));
     match family {
         // All of one size.
-        0 | 1 | 2 => {}
+        0..=2 => {}
         // Mixed scales.
         3 => (corner_range, origin_range, direction_range) = ((-20, 20), (-20, 20), (-20, 20)),
         // Denormal numbers, and small ones.

@@ -172,20 +172,20 @@ impl<const LIMBS: usize> Wide<LIMBS> {
         let limbs = &mut self.limbs;
         let mut carry = false;
         if self.negative == negative {
-            for i in from..to {
-                let (sum, over) = limbs[i].overflowing_add(x.limbs[i]);
+            for (limb, &other) in limbs[from..to].iter_mut().zip(&x.limbs[from..to]) {
+                let (sum, over) = limb.overflowing_add(other);
                 let (sum, more) = sum.overflowing_add(u64::from(carry));
-                (limbs[i], carry) = (sum, over || more);
+                (*limb, carry) = (sum, over || more);
             }
             if carry {
                 limbs[to] = 1;
                 to += 1;
             }
         } else {
-            for i in from..to {
-                let (rest, under) = limbs[i].overflowing_sub(x.limbs[i]);
+            for (limb, &other) in limbs[from..to].iter_mut().zip(&x.limbs[from..to]) {
+                let (rest, under) = limb.overflowing_sub(other);
                 let (rest, more) = rest.overflowing_sub(u64::from(carry));
-                (limbs[i], carry) = (rest, under || more);
+                (*limb, carry) = (rest, under || more);
             }
             // x is the larger one: what stands there is the complement of the size.
             if carry {

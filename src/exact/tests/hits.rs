@@ -30,7 +30,9 @@ fn each_t_is_that_of_its_meeting_and_misses_stay() {
                 for (i, p) in pairs.iter().enumerate() {
                     let expected = match prim[i] {
                         MISS => -7.0,
-                        _ => Meeting::known(p.origin, p.direction, &p.triangle).rounded(),
+                        _ => Meeting::known(p.origin, p.direction, &p.triangle)
+                            .exact()
+                            .rounded(),
                     };
                     assert_eq!(t[i].to_bits(), expected.to_bits(), "{isa} {family} {i}");
                 }
