@@ -26,6 +26,27 @@ pub(crate) struct TriangleLists {
 /// Set once a triangle has been in a naive step.
 const MET: u32 = 1 << 31;
 
+impl TriangleLists {
+    /// Whether two triangles have the same corners in the same order.
+    ///
+    /// # Safety
+    /// They are triangles of the mesh.
+    #[inline(always)]
+    pub(super) unsafe fn same(&self, a: u32, b: u32) -> bool {
+        let (a, b) = (a as usize, b as usize);
+        // SAFETY: as promised.
+        unsafe {
+            let [x, y, z] = self.spans;
+            let spans = *x.add(a) == *x.add(b) && *y.add(a) == *y.add(b) && *z.add(a) == *z.add(b);
+            spans && {
+                let ([rest_a @ .., code_a], [rest_b @ .., code_b]) =
+                    (*self.rest.add(a), *self.rest.add(b));
+                rest_a == rest_b && (code_a.to_bits() ^ code_b.to_bits()) & !MET == 0
+            }
+        }
+    }
+}
+
 /// What the pass over the mesh found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedLists {

@@ -4,6 +4,7 @@
 mod bins;
 mod certain;
 mod cone;
+mod copies;
 mod exact;
 mod fast;
 mod filter;
@@ -22,6 +23,7 @@ mod watertight;
 
 pub(crate) use bins::{BinBox, Binning, Bins, Item, MAX_BINS};
 pub(crate) use cone::{Cones, LEAST_PACKET};
+pub(crate) use copies::{Copies, IndexList, ItemList};
 pub(crate) use filter::{BLOCK, Keep};
 pub(crate) use lists::{Listed, Side, TriangleLists};
 pub(crate) use overlap::Overlap;

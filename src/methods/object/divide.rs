@@ -51,7 +51,10 @@ impl Divide<'_> {
         if self.is_leaf(node, active) {
             return self.naive(node, active);
         }
-        let [first, mut second] = self.split(node, active);
+        let mut node = *node;
+        let Some([first, mut second]) = self.split(&mut node, active) else {
+            return self.naive(&node, active);
+        };
         self.visit(&first, active, top, |counters| &mut counters.skips_near);
         if self.parameters.alpha_refresh {
             self.refresh_ratio(&mut second, active);
@@ -59,7 +62,7 @@ impl Divide<'_> {
         self.visit(&second, active, top, |counters| &mut counters.skips_far);
     }
 
-    fn is_leaf(&self, node: &Node, active: List) -> bool {
+    pub(super) fn is_leaf(&self, node: &Node, active: List) -> bool {
         node.len() <= self.parameters.leaf_triangles as usize
             || active.len <= self.parameters.leaf_rays as usize
     }

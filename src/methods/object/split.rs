@@ -4,7 +4,8 @@ use super::divide::Divide;
 use super::{Axes, Cost, Draws, OneRay, Order};
 use crate::geometry::Aabb;
 use crate::kernels::{
-    BinBox, Binning, Bins, Candidate, Draw, List, MAX_BINS, SampleCounts, first_enters_left,
+    BinBox, Binning, Bins, Candidate, Copies, Draw, ItemList, List, MAX_BINS, SampleCounts,
+    first_enters_left,
 };
 use crate::random;
 
@@ -124,14 +125,10 @@ impl Candidates {
 }
 
 impl Divide<'_> {
-    /// Splits the node's items; the children in traversal order.
-    pub(super) fn split(&mut self, node: &Node, active: List) -> [Child; 2] {
+    /// Splits the node's items; the children in traversal order. None if copies were dropped and what is
+    /// left is a leaf.
+    pub(super) fn split(&mut self, node: &mut Node, active: List) -> Option<[Child; 2]> {
         let by_cost = self.splits_by_cost(node, active);
-        if by_cost {
-            self.counters.sah_nodes += 1;
-        } else {
-            self.counters.middle_nodes += 1;
-        }
         self.find_candidates(
             node,
             if by_cost {
@@ -140,6 +137,18 @@ impl Divide<'_> {
                 2
             },
         );
+        if self.candidates.len == 0 {
+            self.drop_copies(node);
+            if self.is_leaf(node, active) {
+                return None;
+            }
+            self.halve(node);
+        }
+        if by_cost {
+            self.counters.sah_nodes += 1;
+        } else {
+            self.counters.middle_nodes += 1;
+        }
         let samples = by_cost || self.parameters.sample_middle;
         let sampled = samples
             && self.parameters.uses_samples()
@@ -181,11 +190,11 @@ impl Divide<'_> {
             node: node.child(1, pair.right, mid, node.to),
             ratio: counts.map(|c| ratio(c.right)),
         };
-        if self.left_goes_first(active, &pair, cut, counts) {
+        Some(if self.left_goes_first(active, &pair, cut, counts) {
             [left, right]
         } else {
             [right, left]
-        }
+        })
     }
 
     /// Section 5: whether there are enough rays a triangle for a cost function.
@@ -198,7 +207,7 @@ impl Divide<'_> {
     }
 
     /// Lines 5 and 6: candidates between equal slabs of the node's box; two slabs are a split in the
-    /// middle. Where no plane separates the triangles, two halves by number.
+    /// middle. None where no plane separates the triangles.
     fn find_candidates(&mut self, node: &Node, bins: usize) {
         self.candidates.len = 0;
         let items = &self.items[node.from..node.to];
@@ -226,16 +235,29 @@ impl Divide<'_> {
                 self.candidates.sweep(place, binning, items.len());
             }
         }
-        if self.candidates.len == 0 {
-            let (left, right) = items.split_at(items.len() / 2);
-            // SAFETY: the processor was checked.
-            let unite = |items| unsafe { (self.kernels.unite)(items) }.bounds();
-            let pair = Candidate {
-                left: unite(left),
-                right: unite(right),
-            };
-            self.candidates.push(pair, Cut::Halves, left.len());
-        }
+    }
+
+    fn drop_copies(&mut self, node: &mut Node) {
+        let mut list = ItemList {
+            triangles: self.triangles,
+            len: node.len(),
+            items: &mut self.items[node.from..node.to],
+        };
+        list.drop_copies(self.parameters.leaf_triangles as usize + 1);
+        node.to = node.from + list.len;
+    }
+
+    /// Two halves by number.
+    fn halve(&mut self, node: &Node) {
+        let items = &self.items[node.from..node.to];
+        let (left, right) = items.split_at(items.len() / 2);
+        // SAFETY: the processor was checked.
+        let unite = |items| unsafe { (self.kernels.unite)(items) }.bounds();
+        let pair = Candidate {
+            left: unite(left),
+            right: unite(right),
+        };
+        self.candidates.push(pair, Cut::Halves, left.len());
     }
 
     /// Eq. 2 (without C_T and C_I, which do not change the choice); the last of equals, as printed.

@@ -4,7 +4,8 @@ use super::SpaceParameters;
 use super::cell::Cell;
 use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{
-    Cones, Directions, Done, Kernels, Listed, Overlap, Range, RayRecords, Side, TriangleLists,
+    Cones, Copies, Directions, Done, IndexList, Kernels, Listed, Overlap, Range, RayRecords, Side,
+    TriangleLists,
 };
 use crate::methods::Counters;
 
@@ -53,8 +54,9 @@ pub(super) struct Part {
 
 impl Divide<'_> {
     /// Algorithm 1.
-    pub fn divide(&mut self, cell: &Cell, part: Part) {
+    pub fn divide(&mut self, cell: &Cell, mut part: Part) {
         self.counters.nodes += 1;
+        part.triangles = self.drop_copies(part.triangles);
         let few = part.rays - self.terminated < self.parameters.ray_limit as usize
             || part.triangles < self.parameters.triangle_limit as usize;
         let split = if few {
@@ -77,6 +79,14 @@ impl Divide<'_> {
                 self.divide(&half, inside);
             }
         }
+    }
+
+    /// The number of triangles without copies, which come first in the list from now on.
+    pub fn drop_copies(&self, triangles: usize) -> usize {
+        // SAFETY: the list has so many triangles of the mesh.
+        let mut list = unsafe { IndexList::new(&self.lists, triangles) };
+        list.drop_copies(2 * self.parameters.triangle_limit as usize);
+        list.len()
     }
 
     /// R ∩ E and P ∩ E, for a half E on one side of its cell: rays first, for without any there is no

@@ -6,7 +6,8 @@ use crate::kernels::{Directions, Range, Side};
 
 impl Divide<'_> {
     /// Algorithm 2. `part.rays` is the pivot of cones.
-    pub fn divide_packets(&mut self, cell: &Cell, part: Part) {
+    pub fn divide_packets(&mut self, cell: &Cell, mut part: Part) {
+        part.triangles = self.drop_copies(part.triangles);
         let few = part.rays - self.terminated_cones < self.parameters.cone_limit as usize
             || part.triangles < self.parameters.triangle_limit as usize;
         let split = if few {
