@@ -105,7 +105,10 @@ fn every_kind_of_batch() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "half an hour; the tests of the filter have it in small")]
+#[cfg_attr(
+    miri,
+    ignore = "half an hour; the tests of the filter have it in small"
+)]
 fn long_lists_kept_in_place() {
     // More than 1,024 rays of which a filter keeps more than half, and a last vector that is not full.
     for shared in [false, true] {
