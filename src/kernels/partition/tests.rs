@@ -50,7 +50,8 @@ unsafe fn partitioned<L: Lanes>(len: usize, mask: u64) -> Vec<u32> {
 
 #[test]
 fn lists_of_every_length_in_the_same_order_on_every_instruction_set() {
-    for len in (0..140).chain([255, 256, 257, 600]) {
+    let stride = if cfg!(miri) { 23 } else { 1 };
+    for len in (0..140).step_by(stride).chain([255, 256, 257, 600]) {
         // All pass, half, a quarter, few, none.
         for mask in [0, 1, 3, 0x3f, u64::MAX] {
             // SAFETY: each instance runs only where the processor has it.
