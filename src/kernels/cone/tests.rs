@@ -2,10 +2,13 @@
 
 use super::*;
 use crate::kernels::Kernels;
+use crate::kernels::Tmax;
 use crate::kernels::records::RAYS_AHEAD;
 use crate::kernels::slab::SlabBox;
+use crate::methods::Precision;
 use crate::random::{below, hash, numbers};
 use crate::rays::Ray;
+use crate::simd::MAX_LANES;
 use crate::simd::{Isa, Portable};
 
 /// A direction, all equally likely.
@@ -150,6 +153,12 @@ impl Memory {
             least_tmin: 0.0,
             one_tmin: true,
             any_hit: false,
+            precision: Precision::Fast,
+            tmax: Tmax {
+                one: None,
+                each: std::ptr::null(),
+            },
+            scene: Aabb::EMPTY,
         }
     }
 }

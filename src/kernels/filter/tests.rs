@@ -3,7 +3,9 @@
 
 use super::*;
 use crate::kernels::Kernels;
+use crate::kernels::Tmax;
 use crate::kernels::slab::PADDING;
+use crate::methods::Precision;
 use crate::rays::active::ActiveRays;
 use crate::simd::{Isa, MAX_LANES};
 use glam::Vec3;
@@ -111,6 +113,12 @@ impl Bench {
             special,
             least_tmin: 0.0,
             any_hit: false,
+            precision: Precision::Fast,
+            tmax: Tmax {
+                one: None,
+                each: std::ptr::null(),
+            },
+            scene: Aabb::EMPTY,
         };
         Bench { memory, t, rays }
     }

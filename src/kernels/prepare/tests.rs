@@ -1,7 +1,9 @@
 //! The pass over the rays on every instruction set.
 
 use super::*;
+use crate::geometry::{Aabb, Triangle};
 use crate::kernels::Kernels;
+use crate::kernels::Tmax;
 use crate::rays::active::ActiveRays;
 use crate::simd::{Isa, MAX_LANES};
 use crate::{Ray, random};
@@ -37,6 +39,9 @@ fn prepared(isa: Isa, batch: &Batch, check: impl FnOnce(&Rays, PreparedRays, &[f
         special: false,
         least_tmin: 0.0,
         any_hit: true,
+        precision: Precision::Fast,
+        tmax: Tmax::of(batch),
+        scene: Aabb::EMPTY,
     };
     // SAFETY: the processor was checked; there is room for the batch.
     let found = unsafe { (Kernels::of(isa).prepare_rays)(batch, &rays) };

@@ -43,6 +43,9 @@ impl Memory {
             least_tmin: 0.0,
             one_tmin: false,
             any_hit,
+            precision: Precision::Fast,
+            tmax: Tmax::of(batch),
+            scene: Aabb::EMPTY,
         };
         // SAFETY: the processor was checked; there is room for the batch.
         let found = unsafe { (Kernels::of(isa).prepare_records)(batch, &rays) };
@@ -583,6 +586,7 @@ fn rays_that_are_done_come_first() {
                     (Kernels::of(isa).prepare_lists)(&mesh, &lists);
                     let triangles = Listed {
                         lists: &lists,
+                        triangles: mesh.triangles(),
                         len: 1,
                         duplicates: &mut 0,
                     };

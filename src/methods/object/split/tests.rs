@@ -1,8 +1,11 @@
 //! The choice of splits against plain re-implementations, and the depth of the recursion.
 
 use super::*;
+use crate::geometry::Aabb;
+use crate::kernels::Tmax;
 use crate::kernels::{Kernels, Rays};
 use crate::methods::Counters;
+use crate::methods::Precision;
 use crate::methods::object::{Memory, ObjectParameters};
 use crate::rays::active::ActiveRays;
 use crate::simd::Isa;
@@ -53,6 +56,9 @@ fn at_root(
         special: false,
         least_tmin: 0.0,
         any_hit: false,
+        precision: Precision::Fast,
+        tmax: Tmax::of(batch),
+        scene: Aabb::EMPTY,
     };
     // SAFETY: the processor was checked; the memory has room for batch and mesh.
     let (prepared, (items, bounds)) = unsafe {
@@ -224,7 +230,7 @@ fn depth(divide: &mut Divide, node: &Node, list: List) -> u32 {
     if node.len() <= 1 {
         return node.depth;
     }
-    let [a, b] = divide.split(node, list);
+    let [a, b] = divide.split(&mut node.clone(), list).unwrap();
     assert_eq!(a.node.len() + b.node.len(), node.len());
     assert!(a.node.len() > 0 && b.node.len() > 0);
     depth(divide, &a.node, list).max(depth(divide, &b.node, list))
