@@ -27,13 +27,16 @@
 //!   by a ray in its plane.
 //! * The hit is the least `(t, prim)`: of equal `t` the lowest `prim`. A miss is `t = +inf`,
 //!   `prim = `[`MISS`].
-//! * Whether and where a ray hits a triangle is one function of these two, and of whether all valid
-//!   rays of the batch have the same origin. So the hits have the same bits for every method,
-//!   parameter, seed and instruction set.
-//! * `t` and the test are computed in float32. Near an edge, or near `tmin` and `tmax`, rounding may
-//!   decide; two triangles that share an edge are not promised to leave no gap there. Hits are right
-//!   up to rounding where coordinates, edge lengths and the largest component of `d` are zero or
-//!   between 1e-9 and 1e9 in size; beyond, a trace only ends.
+//! * Whether and where a ray hits a triangle is one function of these two, of the [`Precision`], and in
+//!   `fast` and `watertight` of whether all valid rays of the batch have the same origin. So the hits
+//!   have the same bits for every method, parameter, seed and instruction set.
+//! * In [`Precision::Fast`] `t` and the test are computed in float32. Near an edge, or near `tmin` and
+//!   `tmax`, rounding may decide; two triangles that share an edge are not promised to leave no gap
+//!   there. In [`Precision::Watertight`] they leave none. Hits of both are right up to rounding where
+//!   coordinates, edge lengths and the largest component of `d` are zero or between 1e-9 and 1e9 in
+//!   size; beyond, a trace only ends.
+//! * [`Precision::Exact`] gives the least `(t, prim)` of exact arithmetic, for every valid input, with
+//!   `t` rounded once. A hit needs a `t` that rounds to a finite float32.
 //!
 //! # Where to look next
 //!

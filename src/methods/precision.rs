@@ -9,10 +9,12 @@ pub enum Precision {
     /// Float32, right up to rounding: near an edge, or near `tmin` and `tmax`, rounding may decide.
     #[default]
     Fast,
-    /// No ray passes between two triangles that share an edge or a corner (Woop, Benthin and Wald
-    /// 2013).
+    /// Whether a ray hits a triangle is decided as in exact arithmetic: no ray passes between two
+    /// triangles that share an edge or a corner. t is rounded as in `fast`, or once where float32 is
+    /// not sure. About 1.1 times the time of `fast`.
     Watertight,
-    /// The hits of exact arithmetic on the float32 numbers, with t rounded once.
+    /// The hits of exact arithmetic on the float32 numbers, with t rounded once. About 1.2 times the
+    /// time of `fast`.
     Exact,
 }
 
