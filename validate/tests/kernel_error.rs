@@ -11,7 +11,7 @@ use glam::Vec3;
 /// Rays of a batch, all for one triangle.
 const RAYS: usize = 64;
 /// Pairs with origins of their own, and as many with shared ones.
-const PAIRS: usize = 500_000;
+const PAIRS: usize = 1_000_000;
 
 fn point(random: &mut Rng) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| random.f32() * 2.0 - 1.0))
@@ -113,8 +113,8 @@ fn hits(
             .with_own_origins(own_origins);
         let mut hits = Hits::misses(batch.len());
         let trace = tracer.nearest(mesh, batch, workspace, &mut hits);
-        let shares = trace.shared_origin || trace.invalid_rays == RAYS as u64;
-        assert_eq!(shares, !own_origins);
+        let none = trace.invalid_rays == RAYS as u64;
+        assert!(none || trace.shared_origin != own_origins);
         assert_eq!(*first.get_or_insert_with(|| hits.clone()), hits, "{isa}");
     }
     first.unwrap()
@@ -169,7 +169,7 @@ fn fast_keeps_its_bounds() {
         });
         println!("own origins {own_origins}: {worst:.3} of the bound, {hits:?}, {bounded} bounded");
         assert!(bounded > PAIRS / 4, "{bounded}");
-        assert!(hits.iter().all(|&n| n > PAIRS / 100), "{hits:?}");
+        assert!(hits.iter().all(|&n| n > PAIRS / 1000), "{hits:?}");
         // Bounds that are never nearly reached would excuse too much.
         assert!(worst > 0.3, "{worst}");
     }
