@@ -14,15 +14,11 @@ pub fn invalid(random: &mut Random, rays: usize) -> Vec<Case> {
     let cube = Shape::cube(4).triangles();
     let mut spoiled = Vec::new();
     for t in &cube {
-        let mut corners = [t.a, t.b, t.c];
+        // Nearer than the good one, and before it.
+        let mut corners = [t.a / 2.0, t.b / 2.0, t.c / 2.0];
         let bad = random.pick(&[BAD[0], BAD[1], BAD[2], 1.9e18, f32::MAX]);
         corners[random.below(3)][random.below(3)] = bad;
-        // Before and behind the good one, and nearer.
-        spoiled.push(Triangle::new(
-            corners[0] / 2.0,
-            corners[1] / 2.0,
-            corners[2] / 2.0,
-        ));
+        spoiled.push(Triangle::new(corners[0], corners[1], corners[2]));
         spoiled.push(*t);
     }
     let hopeless = |_: &Triangle| Triangle::new(Vec3::NAN, Vec3::INFINITY, Vec3::NEG_INFINITY);
