@@ -439,7 +439,8 @@ The table has, for each family, rays per million (of all rays of the family)
   wrong    with any other answer that is not the exact one: not the nearest hit, nor one exactly as
            near; or t off by more than the bound of the contestant. Of `exact`: any other bit
   beyond   of all these, that no rounding of the contestant within its proven bounds explains
-Lines without an error are left out.
+  differ   on which methods, instruction sets, or nearest and any hit differ
+Lines of zeros are left out.
 
 Findings, which make the exit code 1:
   - exact: any answer that is not the exact one, to the bit
@@ -449,7 +450,8 @@ Findings, which make the exit code 1:
     answer than the exact one where float32 computes without rounding (copies, interval, grid ...)
   - the exact arbiter: another answer than the construction of a case says
 For fast and watertight only where they promise right hits: coordinates, edges and the largest
-component of d zero or between 1e-9 and 1e9 in size. Embree's errors are no findings.
+component of d zero or between 1e-9 and 1e9 in size (`*`: not all rays). Embree's errors are no
+findings.
 
 Examples:
   dacrt hard
