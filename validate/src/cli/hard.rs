@@ -111,9 +111,8 @@ fn text(document: &Document) -> String {
     let right: Vec<usize> = (1..2 + HEADS.len()).collect();
     let mut text = columns(&table, &right);
     text += "\n\
-Rays per million that are not answered as by exact arithmetic (0: `.`; kinds that nobody has are left
-out). *: some or all rays are out of the range that fast and watertight promise right hits for.
-More: dacrt hard --help
+Rays per million that are not answered as by exact arithmetic (0: `.`; kinds that nobody has are
+left out). *: for some or all rays fast and watertight promise nothing. More: dacrt hard --help
 
 ";
     let of_family = document
