@@ -83,23 +83,23 @@ fn text(document: &Document) -> String {
         table.push(start.into_iter().chain(heads).collect());
     }
     for family in &document.families {
-        let kinds: [(&str, fn(&Counts) -> u64); 5] = [
-            ("lost", |c| c.lost),
-            ("false", |c| c.false_hits),
-            ("wrong", |c| c.wrong),
-            ("beyond", |c| c.beyond_bounds),
-            ("differ", |c| c.methods_differ),
-        ];
         let mark = if family.promised < family.rays {
             " *"
         } else {
             ""
         };
         table.push(vec![family.name.clone() + mark, thousands(family.rays)]);
-        for (kind, count) in kinds {
-            let counts: Vec<u64> = Contestant::all()
-                .map(|c| count(&family.contestants[c.name()]))
-                .collect();
+        let all: Vec<&Counts> = Contestant::all()
+            .map(|contestant| &family.contestants[contestant.name()])
+            .collect();
+        let of = |count: fn(&Counts) -> u64| all.iter().map(|&c| count(c)).collect::<Vec<_>>();
+        for (kind, counts) in [
+            ("lost", of(|c| c.lost)),
+            ("false", of(|c| c.false_hits)),
+            ("wrong", of(|c| c.wrong)),
+            ("beyond", of(|c| c.beyond_bounds)),
+            ("differ", of(|c| c.methods_differ)),
+        ] {
             if counts.iter().all(|&n| n == 0) {
                 continue;
             }

@@ -39,12 +39,12 @@ fn coplanar() -> Case {
 }
 
 fn collinear() -> Case {
-    let corner = |y| v(-1113.454_6, y, -56.243_19);
+    let corner = |y| v(-1_113.454_6, y, -56.243_19);
     let triangle = Triangle::new(corner(-79.049_614), corner(-87.092_27), corner(-79.209_015));
     let ray = Ray {
         tmax: 0.9999,
         ..Ray::new(
-            v(-1081.479_2, 99.999_954, 87.770_11),
+            v(-1_081.479_2, 99.999_954, 87.770_11),
             v(-32.107_3, -183.355_87, -144.607_64),
         )
     };

@@ -57,7 +57,7 @@ pub struct FamilyResult {
     pub expected: u64,
     /// Of these, rays for which exact arithmetic says otherwise: must be 0.
     pub arbiter_unexpected: u64,
-    /// Time of all traces of ours, all methods and instruction sets together.
+    /// Time of all traces of ours, by all methods on all instruction sets, on all cores.
     pub milliseconds: f64,
     /// By name of the contestant: `fast`, `watertight`, `exact`, `embree_fast`, `embree_robust`,
     /// `embree_fast_ftz`, `embree_robust_ftz`.

@@ -10,6 +10,7 @@ use crate::judge::{Answer, Answers, Judge, Verdict};
 use crate::npy::ray_floats;
 use dacrt::{Hits, Isa, MISS, Mesh, Method, Precision, Ray, Tracer, Triangle, Workspace};
 use glam::Vec3;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -114,31 +115,35 @@ pub fn run(family: &Family, rays: usize, seed: u64, device: &Device) -> anyhow::
 /// The answers of one precision by all methods on all instruction sets, nearest and any hit.
 pub fn ours(case: &Case, precision: Precision) -> Answered {
     let (mesh, batch) = (&case.mesh, &case.batch);
-    let mut first: Option<Hits> = None;
-    let mut differs = vec![false; batch.len()];
-    let mut occluded = vec![0; batch.len()];
-    for method in Method::ALL {
+    let by_method = |method: &Method| {
         let parameters = method.parameters();
         let mut workspace = Workspace::new(&parameters, batch.len(), mesh.len());
+        let mut by_isa = Vec::new();
         for isa in Isa::available() {
             let tracer = Tracer::new(parameters)
                 .with_isa(isa)
                 .with_precision(precision);
             let mut hits = Hits::misses(batch.len());
+            let mut occluded = vec![0; batch.len()];
             tracer.nearest(mesh, batch, &mut workspace, &mut hits);
             tracer.any(mesh, batch, &mut workspace, &mut occluded);
-            let first = first.get_or_insert_with(|| hits.clone());
-            for (i, differs) in differs.iter_mut().enumerate() {
-                let same = hits.prim[i] == first.prim[i]
-                    && hits.t[i].to_bits() == first.t[i].to_bits()
-                    && occluded[i] == u8::from(first.prim[i] != MISS);
-                *differs |= !same;
-            }
+            by_isa.push((hits, occluded));
         }
-    }
+        by_isa
+    };
+    let all: Vec<(Hits, Vec<u8>)> = Method::ALL.par_iter().flat_map_iter(by_method).collect();
+    let first = all[0].0.clone();
+    let same = |(hits, occluded): &(Hits, Vec<u8>), i: usize| {
+        hits.prim[i] == first.prim[i]
+            && hits.t[i].to_bits() == first.t[i].to_bits()
+            && occluded[i] == u8::from(first.prim[i] != MISS)
+    };
+    let differs = (0..batch.len())
+        .map(|i| !all.iter().all(|answers| same(answers, i)))
+        .collect();
     Answered {
         contestant: Contestant::Ours(precision),
-        hits: first.expect("there are methods"),
+        hits: first,
         differs,
     }
 }
