@@ -6,6 +6,7 @@ pub mod compare;
 pub mod diff;
 pub mod embree;
 pub mod exact;
+pub mod hard;
 pub mod hash;
 pub mod json_float;
 pub mod judge;

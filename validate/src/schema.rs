@@ -21,7 +21,7 @@ pub struct Kind {
 }
 
 /// All kinds. Each schema stands beside the files that it is for.
-pub const KINDS: [Kind; 3] = [
+pub const KINDS: [Kind; 4] = [
     Kind {
         name: "results",
         file: "results/results.schema.json",
@@ -36,6 +36,11 @@ pub const KINDS: [Kind; 3] = [
         name: "sweep",
         file: "results/sweep.schema.json",
         schema: of_read::<Sweep>,
+    },
+    Kind {
+        name: "hard",
+        file: "results/hard.schema.json",
+        schema: of_written::<crate::hard::Document>,
     },
 ];
 

@@ -28,6 +28,7 @@ Examples:
   dacrt table dacrt-run.json --csv
   dacrt paper mora2011
   dacrt bench kernels
+  dacrt hard
   dacrt render hall --what shaded,boxes
   dacrt trace --mesh bunny.obj --rays rays.npy --method nabata2013 --out hits.npz
   dacrt compare reference.json new.json
@@ -57,6 +58,8 @@ pub enum Command {
     Paper(PaperArgs),
     /// Measure the inner loops one by one, beside what the machine can do at most
     Bench(BenchArgs),
+    /// Trace hard cases with every precision and with Embree, and count errors by exact arithmetic
+    Hard(HardArgs),
     /// Compare two result files: has anything become worse?
     Compare(CompareArgs),
     /// Trace your own rays through your own mesh
@@ -420,6 +423,63 @@ pub struct BenchArgs {
     pub quick: bool,
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-bench.json")]
+    pub out: PathBuf,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Each family of cases is made by a generator, from nothing but the seed, and traced by fast,
+watertight and exact (each by all methods on all instruction sets), by Embree's default (fast) and
+robust modes, and by both with flush-to-zero and denormals-are-zero set (ftz). Exact arithmetic on
+the float32 numbers judges every ray.
+
+The table has, for each family, rays per million (of all rays of the family)
+  lost     that hit something, and the answer is a miss
+  false    whose answer is a hit with a triangle that the ray does not meet
+  wrong    with any other answer that is not the exact one: not the nearest hit, nor one exactly as
+           near; or t off by more than the bound of the contestant. Of `exact`: any other bit
+  beyond   of all these, that no rounding of the contestant within its proven bounds explains
+  differ   on which methods, instruction sets, or nearest and any hit differ
+Lines of zeros are left out.
+
+Findings, which make the exit code 1:
+  - exact: any answer that is not the exact one, to the bit
+  - watertight: a lost ray on a closed mesh
+  - fast, watertight: beyond the bounds
+  - any of these: a difference between methods, instruction sets, or nearest and any hit; or another
+    answer than the exact one where float32 computes without rounding (copies, interval, grid ...)
+  - the exact arbiter: another answer than the construction of a case says
+For fast and watertight only where they promise right hits: coordinates, edges and the largest
+component of d zero or between 1e-9 and 1e9 in size (`*`: not all rays). Embree's errors are no
+findings.
+
+Examples:
+  dacrt hard
+  dacrt hard --families edges,needles --rays 1000000 --out hard.json")]
+pub struct HardArgs {
+    /// Families [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub families: Option<Vec<String>>,
+    /// Rays of a family, about
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 8192,
+        allow_negative_numbers = true,
+        value_parser = whole(64..=100_000_000u32)
+    )]
+    pub rays: u32,
+    /// Seed of every random choice
+    #[arg(
+        long,
+        default_value_t = 1,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole(0..=u64::MAX)
+    )]
+    pub seed: u64,
+    /// Where the results go, as JSON
+    #[arg(long, value_name = "FILE", default_value = "dacrt-hard.json")]
     pub out: PathBuf,
 }
 

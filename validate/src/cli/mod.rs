@@ -6,6 +6,7 @@ mod color;
 mod compare;
 mod engine;
 mod env;
+mod hard;
 mod knobs;
 mod merge;
 mod paper;
@@ -62,6 +63,7 @@ pub fn main() -> ExitCode {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Trace(args) => trace::trace(&args),
+        Command::Hard(args) => hard::hard(&args),
         Command::Compare(args) => compare::compare(&args),
         Command::Env(args) => env::env(&args),
     };

@@ -5,6 +5,7 @@
 
 mod best;
 mod device;
+mod flush;
 mod packed;
 mod scene;
 mod trace;

@@ -121,7 +121,7 @@ impl Scene {
 
 /// Our record of what Embree left in a lane. Overflow can make a hit of infinite or undefined t,
 /// which is none; NaN fails the comparison.
-fn record(geom: u32, prim: u32, t: f32) -> (f32, u32) {
+pub(super) fn record(geom: u32, prim: u32, t: f32) -> (f32, u32) {
     let hit = (geom != sys::RTC_INVALID_GEOMETRY_ID) & (t < f32::INFINITY);
     if hit {
         (t, prim)
