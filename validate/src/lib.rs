@@ -1,5 +1,6 @@
 //! The validator.
 
+pub mod accuracy;
 pub mod atomic;
 pub mod bounds;
 pub mod compare;
@@ -20,3 +21,4 @@ pub mod results;
 pub mod schema;
 pub mod statistics;
 pub mod sweep;
+pub mod watertight;
