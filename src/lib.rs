@@ -32,9 +32,11 @@
 //!   have the same bits for every method, parameter, seed and instruction set.
 //! * In [`Precision::Fast`] `t` and the test are computed in float32. Near an edge, or near `tmin` and
 //!   `tmax`, rounding may decide; two triangles that share an edge are not promised to leave no gap
-//!   there. In [`Precision::Watertight`] they leave none. Hits of both are right up to rounding where
-//!   coordinates, edge lengths and the largest component of `d` are zero or between 1e-9 and 1e9 in
-//!   size; beyond, a trace only ends.
+//!   there. Hits are right up to rounding where coordinates, edge lengths and the largest component of
+//!   `d` are zero or between 1e-9 and 1e9 in size; beyond, a trace only ends.
+//! * In [`Precision::Watertight`] what is hit is decided as in exact arithmetic, for every valid input:
+//!   no ray passes between two triangles that share an edge. `t`, and which of two near hits is the
+//!   nearer one, is right up to rounding.
 //! * [`Precision::Exact`] gives the least `(t, prim)` of exact arithmetic, for every valid input, with
 //!   `t` rounded once. A hit needs a `t` that rounds to a finite float32.
 //!

@@ -61,7 +61,7 @@ pub(super) unsafe fn inverse<L: Lanes>(d: L::F, precision: Precision) -> (L::F, 
         let inverse = L::div(L::splat(1.0), d);
         let finite = L::lt(L::abs(inverse), L::splat(f32::INFINITY));
         let mut otherwise = L::splat(f32::NAN);
-        if precision == Precision::Exact {
+        if precision != Precision::Fast {
             let zero = L::eq(d, L::splat(0.0));
             otherwise = L::select(zero, otherwise, L::splat(CREEPING));
         }

@@ -155,7 +155,7 @@ impl<L: Lanes> SlabBox<L> {
 }
 
 /// The inverse of a component of a direction that is not zero, but so small that 1/d is infinite,
-/// in precision `exact`: over a long way the ray moves on that axis, too. A NaN with its sign bit
+/// in precisions `watertight` and `exact`: over a long way the ray moves on that axis, too. A NaN with its sign bit
 /// set; without it, the ray does not move.
 pub(super) const CREEPING: f32 = f32::from_bits(0xffc0_0000);
 

@@ -38,7 +38,8 @@
 //! overflows nor underflows: products of four float32 numbers stay within 10^±180. Where float32
 //! would overflow there is no bound; [`crate::judge`] holds nothing against such rays.
 //!
-//! The bounds of the watertight kernel stand in [`crate::watertight`]; the exact one has none.
+//! The watertight kernel decides about edges and ends as exact arithmetic does, and computes t by the
+//! same formula, or rounds the exact one; the exact kernel rounds nothing but t, once.
 
 use dacrt::{Precision, Ray, Triangle};
 use glam::DVec3;
@@ -59,7 +60,7 @@ pub(crate) const SLAB_ROUNDINGS: f64 = 5.0 * UNIT;
 pub enum Kernel {
     /// Ours of precision `fast`.
     Fast,
-    /// Ours of precision `watertight`, see [`crate::watertight`].
+    /// Ours of precision `watertight`: hits are those of exact arithmetic, t is within the bounds of `fast`.
     Watertight,
     /// Ours of precision `exact`: t is the exact one rounded to nearest, of equals the lowest triangle
     /// is hit, and nothing else is right.

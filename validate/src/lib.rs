@@ -21,4 +21,3 @@ pub mod results;
 pub mod schema;
 pub mod statistics;
 pub mod sweep;
-pub mod watertight;

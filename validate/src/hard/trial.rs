@@ -325,9 +325,8 @@ fn error(
     let Some(met) = triangle.and_then(|triangle| meet(ray, triangle)) else {
         return Some(Error::FalseHit);
     };
-    let bound = judge
-        .pair(ray, prim)
-        .map_or(0.0, |pair| pair.t_bound_of(kernel));
+    let claim = judge.claim(kernel, ray, t, prim);
+    let bound = claim.map_or(0.0, |claim| claim.bound);
     // An infinite bound allows every t.
     let near = f64::abs(f64::from(t) - met.to_f64()) <= bound;
     let nearest = nearest.is_some_and(|nearest| nearest.t == met);
