@@ -37,8 +37,10 @@
 //! error of at most 2⁻¹⁵⁰ a product. An fma only leaves roundings out. Float64 itself neither
 //! overflows nor underflows: products of four float32 numbers stay within 10^±180. Where float32
 //! would overflow there is no bound; [`crate::judge`] holds nothing against such rays.
+//!
+//! The bounds of the watertight kernel stand in [`crate::watertight`]; the exact one has none.
 
-use dacrt::{Ray, Triangle};
+use dacrt::{Precision, Ray, Triangle};
 use glam::DVec3;
 
 /// Unit roundoff of float32.
@@ -52,10 +54,37 @@ pub(crate) const BOX_PADDING: f64 = dacrt::PADDING as f64;
 /// Roundings in a padded slab distance (one more than there are, for the second order).
 pub(crate) const SLAB_ROUNDINGS: f64 = 5.0 * UNIT;
 
-/// Who computed a distance: decides how far from the exact one it may lie. Edges are judged by the
-/// bounds of the kernel of record, whoever answered.
+/// Who answered: decides how far from the exact answer it may lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kernel {
+    /// Ours of precision `fast`.
+    Fast,
+    /// Ours of precision `watertight`, see [`crate::watertight`].
+    Watertight,
+    /// Ours of precision `exact`: t is the exact one rounded to nearest, of equals the lowest triangle
+    /// is hit, and nothing else is right.
+    Exact,
+    /// Embree's default mode.
+    EmbreeFast,
+    /// Embree's robust mode.
+    EmbreeRobust,
+}
+
+impl Kernel {
+    /// That of one of our precisions.
+    pub fn of(precision: Precision) -> Kernel {
+        match precision {
+            Precision::Fast => Kernel::Fast,
+            Precision::Watertight => Kernel::Watertight,
+            Precision::Exact => Kernel::Exact,
+        }
+    }
+}
+
+/// By which formula a distance was computed. Edges are judged by the bounds of the kernel of record,
+/// whoever answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Formula {
     /// The kernel of record of precision `fast`.
     Fast,
     /// Embree's default mode: the same formula, but T times an estimate of 1/den improved by one
@@ -67,7 +96,7 @@ pub enum Kernel {
     EmbreeRobust,
 }
 
-/// What float64 says about a ray and a triangle.
+/// What float64 says about a ray and a triangle for the formula of precision `fast` and of Embree.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     /// Distance of the plane in units of the direction's length; not finite if the ray is
@@ -157,12 +186,12 @@ impl Pair {
         }
     }
 
-    /// How far the distance that `kernel` gives may lie from `t`.
-    pub fn t_bound_of(&self, kernel: Kernel) -> f64 {
-        match kernel {
-            Kernel::Fast => self.t_bound,
-            Kernel::EmbreeFast => self.t_bound + (RECIPROCAL - 1.0) * UNIT * self.t.abs(),
-            Kernel::EmbreeRobust => self.robust_t_bound,
+    /// How far the distance that `formula` gives may lie from `t`.
+    pub fn t_bound_of(&self, formula: Formula) -> f64 {
+        match formula {
+            Formula::Fast => self.t_bound,
+            Formula::EmbreeFast => self.t_bound + (RECIPROCAL - 1.0) * UNIT * self.t.abs(),
+            Formula::EmbreeRobust => self.robust_t_bound,
         }
     }
 
@@ -207,15 +236,15 @@ impl Pair {
                 .is_some_and(|[near, far]| last >= near.0 && first <= far.1)
     }
 
-    /// Whether `kernel` may give the distance `t` for this pair.
-    pub fn accepts(&self, kernel: Kernel, t: f32) -> bool {
+    /// Whether `formula` may give the distance `t` for this pair.
+    pub fn accepts(&self, formula: Formula, t: f32) -> bool {
         let t = t as f64;
-        let bound = self.t_bound_of(kernel);
+        let bound = self.t_bound_of(formula);
         if !t.is_finite() || (bound.is_finite() && (t - self.t).abs() > bound) {
             return false;
         }
-        match kernel {
-            Kernel::Fast => {
+        match formula {
+            Formula::Fast => {
                 t > self.interval.0
                     && t <= self.interval.1
                     && self
@@ -223,7 +252,7 @@ impl Pair {
                         .is_some_and(|[near, far]| t >= near.0 && t <= far.1)
             }
             // Embree compares T with den · tnear and rounds t afterwards.
-            Kernel::EmbreeFast | Kernel::EmbreeRobust => {
+            Formula::EmbreeFast | Formula::EmbreeRobust => {
                 let slack = 1.0 + 2.0 * RECIPROCAL * UNIT;
                 t * slack >= self.interval.0 && t <= self.interval.1 * slack
             }

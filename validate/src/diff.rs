@@ -2,13 +2,17 @@
 //!
 //! Rays on which the answers agree, up to what float32 rounding explains, are counted and done
 //! with. All others go to the [`Judge`], who says by exact arithmetic who is right, and so do some
-//! random rays on which all may agree and be wrong.
+//! random rays on which all may agree and be wrong. In precision `exact` nothing explains another
+//! triangle, so ties are judged, too.
+//!
+//! The random rays are a fair sample, so it is they that say how many answers of ours and of Embree
+//! are not those of exact arithmetic, and how far off t is ([`Errors`]).
 
 use crate::bounds::{Kernel, UNIT};
-use crate::exact::Nearest;
-use crate::judge::{Answer, Answers, Judge, Verdict, Wrong};
+use crate::exact::{Nearest, meet};
+use crate::judge::{Answer, Answers, Claim, Judge, Verdict, Wrong};
 use crate::npy::ray_floats;
-use dacrt::Batch;
+use dacrt::{Batch, Precision};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -33,7 +37,8 @@ pub struct Diff {
     pub exact: Option<ExactDiff>,
     /// Rays that differ from any reference.
     pub differing: u64,
-    /// Rays that were judged: the differing ones and the random ones.
+    /// Rays that were judged: the differing ones (in precision `exact` the ties, too) and the random
+    /// ones.
     pub judged: u64,
     /// How many of them were drawn at random.
     pub judged_random: u64,
@@ -47,12 +52,17 @@ pub struct Diff {
     /// shown to be right within the bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unexplained: Option<u64>,
+    /// The random rays against exact arithmetic; `None` in files from before this was counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub errors: Option<SampleErrors>,
     /// The first of the rays that our answer is wrong for, then of those not judged.
     pub offending: Vec<Offender>,
 }
 
 /// Ours against one reference. Each ray is in one class, but for those not judged. "The bounds" are
-/// those of the rounding of float32 in our kernel. `None`: in files from before there was an exact
+/// those of the rounding of float32 in our kernel; that of precision `exact` has none, so that none of
+/// its rays is `edge` unless the reference's answer is, and `tie` only where ours is the exact one.
+/// `None`: in files from before there was an exact
 /// arbiter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceDiff {
@@ -93,6 +103,58 @@ pub struct ExactDiff {
     /// Classes and errors.
     #[serde(flatten)]
     pub classes: ReferenceDiff,
+}
+
+/// How often answers for random rays are not those of exact arithmetic, bounds or not.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SampleErrors {
+    /// How many rays were drawn; if as many as the batch has, it is all of them.
+    pub rays: u64,
+    /// Ours.
+    pub ours: Errors,
+    /// Of Embree's default mode.
+    pub embree_fast: Errors,
+    /// Of Embree's robust mode.
+    pub embree_robust: Errors,
+}
+
+/// Answers that are not those of exact arithmetic, and how far off t is in those that are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Errors {
+    /// Hits of a triangle that is not the nearest; of equally near ones each is right.
+    pub wrong: u64,
+    /// No hit, where there is one.
+    pub lost: u64,
+    /// A hit (any hit: occluded), where there is none.
+    #[serde(rename = "false")]
+    pub false_hits: u64,
+    /// Those of these three, and distances of the right triangle, that are wrong by more than the
+    /// bounds.
+    pub beyond_bounds: u64,
+    /// t where the right triangle is hit.
+    #[serde(flatten)]
+    pub t: DistanceErrors,
+}
+
+impl Errors {
+    /// Answers that are not those of exact arithmetic, t aside.
+    pub fn all(&self) -> u64 {
+        self.wrong + self.lost + self.false_hits
+    }
+}
+
+/// How far t is from the exact one; `None` for any hit, or if there is no hit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DistanceErrors {
+    /// Greatest |t − exact t| / exact t.
+    pub max_relative: Option<f64>,
+    /// The 99.9th percentile of the same.
+    pub p999_relative: Option<f64>,
+    /// Greatest |t − exact t| over the distance of two neighbouring float32 there; at most 0.5 if t is
+    /// rounded correctly.
+    pub max_ulps: Option<f64>,
+    /// The 99.9th percentile of the same.
+    pub p999_ulps: Option<f64>,
 }
 
 /// A ray with a wrong answer, ready to be traced again.
@@ -167,16 +229,22 @@ impl ReferenceDiff {
     }
 
     /// Enters the relative errors of t.
-    fn enter(&mut self, mut errors: Vec<f32>) {
-        // NaN, of a reference at t = 0, is the greatest, and JSON has no number for it.
-        let number = |error: f32| f64::from(error).min(f64::MAX);
-        self.max_relative_t_error = errors.iter().copied().max_by(f32::total_cmp).map(number);
-        // Nearest rank.
-        if let Some(rank) = (errors.len() * 999).div_ceil(1000).checked_sub(1) {
-            let (_, error, _) = errors.select_nth_unstable_by(rank, f32::total_cmp);
-            self.p999_relative_t_error = Some(number(*error));
-        }
+    fn enter(&mut self, errors: Vec<f32>) {
+        [self.max_relative_t_error, self.p999_relative_t_error] = largest(errors);
     }
+}
+
+/// The greatest value and the 99.9th percentile.
+fn largest(mut errors: Vec<f32>) -> [Option<f64>; 2] {
+    // NaN, of a reference at t = 0, is the greatest, and JSON has no number for it.
+    let number = |error: f32| f64::from(error).min(f64::MAX);
+    let greatest = errors.iter().copied().max_by(f32::total_cmp).map(number);
+    // Nearest rank.
+    let p999 = (errors.len() * 999)
+        .div_ceil(1000)
+        .checked_sub(1)
+        .map(|rank| number(*errors.select_nth_unstable_by(rank, f32::total_cmp).1));
+    [greatest, p999]
 }
 
 /// Checks the answers of several methods on one batch against one pair of references.
@@ -186,8 +254,8 @@ pub struct Checker<'a> {
     embree_fast: Answers<'a>,
     embree_robust: Answers<'a>,
     random: Vec<u32>,
-    /// By hit hash: methods give the same bits, so all but the first check are free.
-    known: Vec<(String, Diff)>,
+    /// By precision and hit hash: methods give the same bits, so all but the first check are free.
+    known: Vec<(Precision, String, Diff)>,
 }
 
 impl<'a> Checker<'a> {
@@ -217,45 +285,47 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Diffs every ray and judges those that differ. `hit_hash` is that of `ours` (see
-    /// [`crate::hash`]): answers that were checked before are not checked again.
+    /// Diffs every ray and judges those that differ, by what the precision promises. `hit_hash` is
+    /// that of `ours` (see [`crate::hash`]): answers that were checked before are not checked again.
     ///
     /// # Panics
     /// If there are not as many answers as rays, or they are for the other kind of query.
-    pub fn check(&mut self, ours: Answers, hit_hash: &str) -> Diff {
-        if let Some((_, diff)) = self.known.iter().find(|(hash, _)| hash == hit_hash) {
+    pub fn check(&mut self, precision: Precision, ours: Answers, hit_hash: &str) -> Diff {
+        let known = |(p, hash, _): &&(Precision, String, Diff)| *p == precision && hash == hit_hash;
+        if let Some((.., diff)) = self.known.iter().find(known) {
             return diff.clone();
         }
-        let diff = self.check_anew(ours);
-        self.known.push((hit_hash.to_owned(), diff.clone()));
+        let diff = self.check_anew(Kernel::of(precision), ours);
+        let known = (precision, hit_hash.to_owned(), diff.clone());
+        self.known.push(known);
         diff
     }
 
-    fn check_anew(&self, ours: Answers) -> Diff {
+    fn check_anew(&self, kernel: Kernel, ours: Answers) -> Diff {
         assert_eq!(ours.len(), self.batch.len());
         assert_eq!(ours.is_nearest(), self.embree_fast.is_nearest());
-        let (fast, fast_rays) = self.compare(ours, Kernel::EmbreeFast, self.embree_fast);
-        let (robust, robust_rays) = self.compare(ours, Kernel::EmbreeRobust, self.embree_robust);
-        let differing: BTreeSet<u32> = fast_rays.iter().chain(&robust_rays).copied().collect();
+        let by = (kernel, ours);
+        let fast = self.compare(by, (Kernel::EmbreeFast, self.embree_fast));
+        let robust = self.compare(by, (Kernel::EmbreeRobust, self.embree_robust));
+        let mut references = [fast, robust];
+        let open: BTreeSet<u32> = (references.iter())
+            .flat_map(|r| r.rays.iter().chain(&r.ties))
+            .copied()
+            .collect();
 
         let random = self.random.iter().copied();
-        let judged = differing.iter().copied().take(MOST_JUDGED).chain(random);
+        let judged = open.iter().copied().take(MOST_JUDGED).chain(random);
         let judged: BTreeSet<u32> = judged.collect();
         let judged: Vec<u32> = judged.into_iter().collect();
-        let not_judged = differing
-            .iter()
-            .filter(|i| judged.binary_search(i).is_err());
+        let not_judged = open.iter().filter(|i| judged.binary_search(i).is_err());
         let answers = [
-            (Kernel::Fast, ours),
+            by,
             (Kernel::EmbreeFast, self.embree_fast),
             (Kernel::EmbreeRobust, self.embree_robust),
         ];
         let judgements = self.judge.judge(self.batch, &judged, &answers);
 
-        let mut references = [
-            (fast, fast_rays, self.embree_fast),
-            (robust, robust_rays, self.embree_robust),
-        ];
+        let mut sample: [ErrorCount; 3] = Default::default();
         let mut exact = ExactDiff {
             rays: judged.len() as u64,
             classes: ReferenceDiff::none(),
@@ -264,16 +334,22 @@ impl<'a> Checker<'a> {
         for (&index, judgement) in judged.iter().zip(&judgements) {
             let i = index as usize;
             let verdicts: [Verdict; 3] = std::array::from_fn(|k| judgement.verdicts[k]);
+            let nearest = judgement.nearest.as_ref();
             let of_ours = (ours.get(i), verdicts[0]);
-            for ((diff, rays, answers), verdict) in references.iter_mut().zip(&verdicts[1..]) {
-                if rays.binary_search(&index).is_ok() {
-                    diff.count(class(of_ours, (answers.get(i), *verdict)));
-                }
+            for (reference, verdict) in references.iter_mut().zip(&verdicts[1..]) {
+                reference.judge(index, of_ours, *verdict);
             }
-            let class = self.class_in_exact(i, of_ours, judgement.nearest.as_ref());
+            let class = self.class_in_exact(i, kernel, of_ours, nearest);
             exact.classes.count(class);
             exact.classes.differing += !matches!(class, Class::Same | Class::Tie) as u64;
-            errors.extend(relative_error(of_ours.0, judgement.nearest.as_ref()));
+            errors.extend(distance_error(of_ours.0, nearest).map(|error| error.relative));
+            if self.random.binary_search(&index).is_ok() {
+                for ((count, (_, answers)), verdict) in sample.iter_mut().zip(answers).zip(verdicts)
+                {
+                    let also_nearest = |prim| self.also_nearest(i, prim, nearest);
+                    count.add(answers.get(i), verdict, nearest, also_nearest);
+                }
+            }
             out_of_range += (verdicts[0] == Verdict::OutOfRange) as u64;
             if verdicts[0].is_wrong() && offending.len() < MOST_OFFENDERS {
                 offending.push(self.offender(ours, index, Some(verdicts)));
@@ -283,34 +359,43 @@ impl<'a> Checker<'a> {
         for &index in not_judged.clone().take(MOST_OFFENDERS - offending.len()) {
             offending.push(self.offender(ours, index, None));
         }
-        let [(fast, ..), (robust, ..)] = references;
+        let differing: BTreeSet<&u32> = references.iter().flat_map(|r| &r.rays).collect();
+        let differing = differing.len() as u64;
+        let [fast, robust] = references;
+        let [of_ours, of_fast, of_robust] = sample.map(ErrorCount::errors);
         Diff {
-            embree_fast: fast,
-            embree_robust: robust,
+            embree_fast: fast.diff,
+            embree_robust: robust.diff,
             exact: Some(exact),
-            differing: differing.len() as u64,
+            differing,
             judged: judged.len() as u64,
             judged_random: self.random.len() as u64,
             not_judged: Some(not_judged.count() as u64),
             out_of_range,
             unexplained: None,
+            errors: Some(SampleErrors {
+                rays: self.random.len() as u64,
+                ours: of_ours,
+                embree_fast: of_fast,
+                embree_robust: of_robust,
+            }),
             offending,
         }
     }
 
     /// Counts the rays on which float32 agrees, and lists, in order, those that differ.
-    fn compare(
+    fn compare<'b>(
         &self,
-        ours: Answers,
-        kernel: Kernel,
-        reference: Answers,
-    ) -> (ReferenceDiff, Vec<u32>) {
+        (our_kernel, ours): (Kernel, Answers),
+        (kernel, answers): (Kernel, Answers<'b>),
+    ) -> Compared<'b> {
         let mut diff = ReferenceDiff::none();
-        let mut rays = Vec::new();
+        let (mut rays, mut ties) = (Vec::new(), Vec::new());
         let mut errors = Vec::new();
         for i in 0..self.batch.len() {
-            let (ours, reference) = (ours.get(i), reference.get(i));
-            match self.agreement(i, ours, kernel, reference) {
+            let (ours, reference) = (ours.get(i), answers.get(i));
+            match self.agreement(i, (our_kernel, ours), (kernel, reference)) {
+                Some(Class::Tie) if our_kernel == Kernel::Exact => ties.push(i as u32),
                 Some(class) => diff.count(class),
                 None => rays.push(i as u32),
             }
@@ -322,16 +407,20 @@ impl<'a> Checker<'a> {
         }
         diff.differing = rays.len() as u64;
         diff.enter(errors);
-        (diff, rays)
+        Compared {
+            answers,
+            diff,
+            rays,
+            ties,
+        }
     }
 
     /// [`Class::Same`] or [`Class::Tie`]; none if the answers differ.
     fn agreement(
         &self,
         i: usize,
-        ours: Answer,
-        kernel: Kernel,
-        reference: Answer,
+        (our_kernel, ours): (Kernel, Answer),
+        (kernel, reference): (Kernel, Answer),
     ) -> Option<Class> {
         let (
             Answer::Hit { t, prim },
@@ -344,25 +433,22 @@ impl<'a> Checker<'a> {
             return (ours == reference).then_some(Class::Same);
         };
         let apart = (f64::from(t) - f64::from(other)).abs();
-        // No bound is smaller than u|t| for ours and 6u|t| for Embree's, and mostly t is as near.
+        // Embree's bound is no smaller than 6u|t|, and mostly t is as near.
         if prim == other_prim && apart <= 5.0 * UNIT * f64::from(other) {
             return Some(Class::Same);
         }
         let ray = self.batch.ray(i);
-        let pair = self.judge.pair(&ray, prim)?;
-        let other_pair = self.judge.pair(&ray, other_prim)?;
-        let bounds = pair.t_bound + other_pair.t_bound_of(kernel);
+        let claim = self.judge.claim(our_kernel, &ray, t, prim)?;
+        let other_claim = self.judge.claim(kernel, &ray, other, other_prim)?;
+        let bounds = claim.bound + other_claim.bound;
         // Not being able to tell at all is no agreement.
         if !bounds.is_finite() || apart.is_nan() || apart > bounds {
             None
         } else if prim == other_prim {
             Some(Class::Same)
         } else {
-            let both_hit = pair.possible
-                && pair.accepts(Kernel::Fast, t)
-                && other_pair.possible
-                && other_pair.accepts(kernel, other);
-            both_hit.then_some(Class::Tie)
+            let hits = |claim: &Claim| claim.possible && claim.accepted;
+            (hits(&claim) && hits(&other_claim)).then_some(Class::Tie)
         }
     }
 
@@ -370,6 +456,7 @@ impl<'a> Checker<'a> {
     fn class_in_exact(
         &self,
         i: usize,
+        kernel: Kernel,
         (ours, verdict): (Answer, Verdict),
         nearest: Option<&Nearest>,
     ) -> Class {
@@ -377,8 +464,8 @@ impl<'a> Checker<'a> {
             (Verdict::Right, ..) => Class::Same,
             (Verdict::WithinBounds, Answer::Hit { t, prim }, Some(nearest)) => {
                 let ray = self.batch.ray(i);
-                let pairs = [prim, nearest.prim].map(|prim| self.judge.pair(&ray, prim));
-                let bounds: f64 = pairs.iter().flatten().map(|pair| pair.t_bound).sum();
+                let claims = [prim, nearest.prim].map(|p| self.judge.claim(kernel, &ray, t, p));
+                let bounds: f64 = claims.iter().flatten().map(|claim| claim.bound).sum();
                 let apart = (f64::from(t) - nearest.t.to_f64()).abs();
                 match bounds.is_finite() && apart <= bounds {
                     true => Class::Tie,
@@ -395,6 +482,13 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// Whether another triangle is hit exactly as near as the nearest.
+    fn also_nearest(&self, i: usize, prim: u32, nearest: Option<&Nearest>) -> bool {
+        let triangle = self.judge.mesh().triangles().get(prim as usize);
+        let t = triangle.and_then(|triangle| meet(&self.batch.ray(i), triangle));
+        t.is_some() && t.as_ref() == nearest.map(|nearest| &nearest.t)
+    }
+
     fn offender(&self, ours: Answers, index: u32, verdicts: Option<[Verdict; 3]>) -> Offender {
         let i = index as usize;
         let floats = ray_floats(&self.batch.ray(i));
@@ -407,6 +501,74 @@ impl<'a> Checker<'a> {
             embree_robust: self.embree_robust.get(i),
             verdicts,
         }
+    }
+}
+
+/// Ours against one reference, as it grows.
+struct Compared<'a> {
+    answers: Answers<'a>,
+    diff: ReferenceDiff,
+    /// Rays that are neither same nor tie, in order.
+    rays: Vec<u32>,
+    /// Rays that are a tie if ours is right, in order.
+    ties: Vec<u32>,
+}
+
+impl Compared<'_> {
+    /// Takes in what the judge says of the answers for a ray.
+    fn judge(&mut self, index: u32, ours: (Answer, Verdict), verdict: Verdict) {
+        let listed = |rays: &[u32]| rays.binary_search(&index).is_ok();
+        let tie = listed(&self.ties);
+        if tie && !ours.1.is_wrong() {
+            self.diff.count(Class::Tie);
+        } else if tie || listed(&self.rays) {
+            let other = (self.answers.get(index as usize), verdict);
+            self.diff.count(class(ours, other));
+            self.diff.differing += tie as u64;
+        }
+    }
+}
+
+/// Errors as they are counted.
+#[derive(Default)]
+struct ErrorCount {
+    errors: Errors,
+    distances: Vec<DistanceError>,
+}
+
+impl ErrorCount {
+    fn add(
+        &mut self,
+        answer: Answer,
+        verdict: Verdict,
+        nearest: Option<&Nearest>,
+        also_nearest: impl FnOnce(u32) -> bool,
+    ) {
+        let errors = &mut self.errors;
+        errors.beyond_bounds += verdict.is_wrong() as u64;
+        match (answer, nearest) {
+            (Answer::Miss | Answer::Free, Some(_)) => errors.lost += 1,
+            (Answer::Hit { .. } | Answer::Occluded, None) => errors.false_hits += 1,
+            (Answer::Hit { prim, .. }, Some(exact))
+                if prim != exact.prim && !also_nearest(prim) =>
+            {
+                errors.wrong += 1;
+            }
+            _ => self.distances.extend(distance_error(answer, nearest)),
+        }
+    }
+
+    fn errors(self) -> Errors {
+        let of = |error: fn(&DistanceError) -> f32| self.distances.iter().map(error).collect();
+        let [max_relative, p999_relative] = largest(of(|error| error.relative));
+        let [max_ulps, p999_ulps] = largest(of(|error| error.ulps));
+        let t = DistanceErrors {
+            max_relative,
+            p999_relative,
+            max_ulps,
+            p999_ulps,
+        };
+        Errors { t, ..self.errors }
     }
 }
 
@@ -439,13 +601,31 @@ fn of_one_triangle(a: Answer, b: Answer) -> bool {
     matches!((a, b), (Answer::Hit { prim, .. }, Answer::Hit { prim: other, .. }) if prim == other)
 }
 
-/// How far off our t is where we hit the right triangle.
-fn relative_error(ours: Answer, nearest: Option<&Nearest>) -> Option<f32> {
-    let (Answer::Hit { t, prim }, Some(nearest)) = (ours, nearest) else {
+/// How far t is from the exact one.
+#[derive(Clone, Copy, Debug)]
+struct DistanceError {
+    relative: f32,
+    ulps: f32,
+}
+
+/// How far off the t of a hit is, if the nearest triangle is hit.
+fn distance_error(answer: Answer, nearest: Option<&Nearest>) -> Option<DistanceError> {
+    let (Answer::Hit { t, prim }, Some(nearest)) = (answer, nearest) else {
         return None;
     };
     let exact = nearest.t.to_f64();
-    (prim == nearest.prim).then(|| ((f64::from(t) - exact) / exact).abs() as f32)
+    let off = (f64::from(t) - exact).abs();
+    (prim == nearest.prim).then(|| DistanceError {
+        relative: (off / exact) as f32,
+        ulps: (off / ulp(exact)) as f32,
+    })
+}
+
+/// The distance of two neighbouring float32 at `x` > 0: between the powers of two around it.
+fn ulp(x: f64) -> f64 {
+    const LEAST: f64 = f32::from_bits(1) as f64;
+    let power = f64::from_bits(x.to_bits() & !((1 << 52) - 1));
+    (power * f64::from(f32::EPSILON)).max(LEAST)
 }
 
 /// Up to `wanted` different numbers below `n`, in order.

@@ -20,3 +20,4 @@ pub mod results;
 pub mod schema;
 pub mod statistics;
 pub mod sweep;
+pub mod watertight;

@@ -1,6 +1,7 @@
 //! The result document of a run: one JSON file, its reading, writing and resuming.
 
 use crate::diff::Diff;
+use crate::embree::Mode;
 use crate::machine::{Machine, Software};
 use crate::sweep::SweepRun;
 use schemars::JsonSchema;
@@ -100,10 +101,17 @@ pub struct Cell {
     pub median_ms: Option<f64>,
     /// Million rays a second, of the median.
     pub mrays_per_s: Option<f64>,
-    /// Time of `afra2012` over ours; `None` without `afra2012` in the run.
+    /// Time of `afra2012` in the same precision over ours; `None` without it in the run.
     pub acceleration_ratio: Option<f64>,
     /// Its 95 % bootstrap interval.
     pub acceleration_interval: Option<[f64; 2]>,
+    /// Time over that of precision `fast` by the same method with the same parameters; `None` for
+    /// `fast` itself, or without it in the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_over_fast: Option<f64>,
+    /// Its 95 % bootstrap interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_over_fast_interval: Option<[f64; 2]>,
     /// What the trace did, in logical tests; the same on every instruction set.
     #[schemars(schema_with = "crate::schema::counters")]
     pub counters: Map<String, Value>,
@@ -120,7 +128,8 @@ pub struct Cell {
     /// With `terminate_as_printed`: rays whose hit is another than without, which are wrong.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub printed_rule_wrong: Option<u64>,
-    /// Embree's times on the same rays.
+    /// Embree's times on the same rays: of its default mode for precision `fast`, of its robust mode
+    /// for the others.
     pub embree: Option<EmbreeTimes>,
     /// `embree.best_ms / median_ms`.
     pub ratio_embree_total: Option<f64>,
@@ -182,6 +191,9 @@ impl CellKey {
 /// Embree on the rays of a cell. Keys: of `build_ms` the quality; of the traces quality and query.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EmbreeTimes {
+    /// The mode that all of this is of.
+    #[serde(default)]
+    pub mode: Mode,
     /// Least of median build + median trace.
     pub best_ms: f64,
     /// Least median trace.

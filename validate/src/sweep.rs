@@ -20,14 +20,15 @@
 //! | `spp` | samples a pixel, square numbers; `[1]` if left out |
 //! | `rays` | ray types |
 //! | `methods` | methods |
+//! | `precision` | precisions of the triangle test; `["fast"]` if left out |
 //! | `parameters` | values of method parameters, by the names that they have in result files; may be left out. Each combination is a cell. A parameter that a method lacks makes no cells of it; one that no method has is an error |
 //!
 //! Every list has at least one entry. An unknown key is an error. How it is measured (repeats, seed,
 //! instruction set) is said on the command line, not here.
 
 use crate::schema::parameter_kinds;
-use dacrt::Method;
 use dacrt::workloads::RayType;
+use dacrt::{Method, Precision};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -62,6 +63,10 @@ pub struct Sweep {
     /// Methods.
     #[schemars(length(min = 1), extend("items" = names(Method::ALL.map(|m| m.to_string()))))]
     pub methods: Vec<String>,
+    /// Precisions of the triangle test.
+    #[serde(default = "fast")]
+    #[schemars(length(min = 1), extend("items" = names(Precision::ALL.map(Precision::name))))]
+    pub precision: Vec<String>,
     /// Values of method parameters, by the names that they have in result files.
     #[serde(default)]
     #[schemars(schema_with = "parameter_lists")]
@@ -113,6 +118,10 @@ fn parameter_lists(generator: &mut SchemaGenerator) -> Schema {
 
 fn one_sample() -> Vec<u32> {
     vec![1]
+}
+
+fn fast() -> Vec<String> {
+    vec![Precision::Fast.to_string()]
 }
 
 /// Says in a result file which sweep it is of.
@@ -186,6 +195,7 @@ impl Sweep {
             ("spp", self.spp.is_empty()),
             ("rays", self.rays.is_empty()),
             ("methods", self.methods.is_empty()),
+            ("precision", self.precision.is_empty()),
         ];
         let lists = lists.map(|(key, empty)| (key.to_owned(), empty));
         let parameters = self.parameters.iter();

@@ -4,7 +4,7 @@ mod common;
 
 use common::{FORMS, hit, point};
 use dacrt::{Ray, Triangle};
-use dacrt_validate::bounds::{Kernel, Pair};
+use dacrt_validate::bounds::{Formula, Pair};
 use fastrand::Rng;
 use glam::{Vec3, Vec3Swizzles};
 
@@ -56,7 +56,7 @@ fn distances_lie_within_their_bounds() {
                     "{ray:?} {triangle:?}"
                 );
                 assert!(
-                    bounds.accepts(Kernel::Fast, t),
+                    bounds.accepts(Formula::Fast, t),
                     "{t} {bounds:?} {ray:?} {triangle:?}"
                 );
                 if bounds.t_bound.is_finite() {
@@ -67,7 +67,7 @@ fn distances_lie_within_their_bounds() {
                 assert!(!bounds.clear(), "{form:?} {bounds:?} {ray:?} {triangle:?}");
             }
         }
-        let bound = bounds.t_bound_of(Kernel::EmbreeRobust);
+        let bound = bounds.t_bound_of(Formula::EmbreeRobust);
         let t = robust_t(&ray, &triangle) as f64;
         if bound.is_finite() {
             worst_robust = worst_robust.max((t - bounds.t).abs() / bound);

@@ -32,8 +32,13 @@ fn usage_errors() {
     );
     refuses("run --isa avx3", &["\"avx3\"", "\"avx2\""]);
     refuses("run --isa AVX512", &["\"AVX512\"", "\"avx512\""]);
-    refuses("run --precision exact", &["exact", "not there yet", "fast"]);
-    refuses("run --precision fats", &["\"fast\""]);
+    refuses(
+        "run --precision fats",
+        &["no precision \"fats\"", "\"fast\""],
+    );
+    refuses("run --precision fast,exakt", &["\"exakt\"", "\"exact\""]);
+    refuses("paper mora2011 --precision exakt", &["\"exact\""]);
+    refuses("render ./tiny.json --precision water", &["\"watertight\""]);
     refuses("run --threads 0", &["--threads 0", "one thread"]);
     refuses("run --threads 4", &["--threads 4", "one thread"]);
     refuses(

@@ -5,6 +5,7 @@ use dacrt_validate::compare::{
     Against, CompareError, Comparison, Grade, Names, Options, Tolerances, compare,
 };
 use dacrt_validate::diff::{Diff, ExactDiff, ReferenceDiff};
+use dacrt_validate::embree::Mode;
 use dacrt_validate::machine::{Embree, Machine, Software};
 use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{Cell, CellKey, Document, EmbreeTimes, SCHEMA};
@@ -59,6 +60,8 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
         // Stored figures are not looked at: these are nonsense.
         acceleration_ratio: Some(99.0),
         acceleration_interval: None,
+        time_over_fast: None,
+        time_over_fast_interval: None,
         counters: json!({ "nodes": 100, "ray_box": 1000, "leaves": 7, "skips_near": 3 })
             .as_object()
             .unwrap()
@@ -76,10 +79,12 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
             out_of_range: 0,
             not_judged: Some(0),
             unexplained: None,
+            errors: None,
             offending: vec![],
         },
         printed_rule_wrong: None,
         embree: Some(EmbreeTimes {
+            mode: Mode::Fast,
             best_ms: 99.0,
             best_trace_ms: 99.0,
             build_ms: BTreeMap::new(),

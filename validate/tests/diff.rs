@@ -3,8 +3,8 @@
 mod common;
 
 use common::{Form, any, nearest, rays, soup};
-use dacrt::MISS;
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
+use dacrt::{MISS, Precision};
 use dacrt_validate::diff::{Checker, Diff, MOST_JUDGED, ReferenceDiff};
 use dacrt_validate::hash::hit_hash;
 use dacrt_validate::judge::{Answer, Answers, Judge, Verdict};
@@ -14,7 +14,11 @@ use glam::Vec3;
 /// Ours against two references.
 fn diff(mesh: &Mesh, batch: &Batch, ours: Answers, fast: Answers, robust: Answers) -> Diff {
     let judge = Judge::new(mesh);
-    Checker::new(&judge, batch, fast, robust, 1000, 1).check(ours, &hit_hash(&ours))
+    Checker::new(&judge, batch, fast, robust, 1000, 1).check(
+        Precision::Fast,
+        ours,
+        &hit_hash(&ours),
+    )
 }
 
 fn total(diff: &ReferenceDiff) -> u64 {
@@ -184,10 +188,10 @@ fn equal_hits_are_judged_once() {
     let judge = Judge::new(&mesh);
     let of = Answers::Nearest;
     let mut checker = Checker::new(&judge, &batch, of(&hits), of(&hits), 1000, 1);
-    let diff = checker.check(of(&hits), "a");
+    let diff = checker.check(Precision::Fast, of(&hits), "a");
     // Known by its hash, so what is given with it is not looked at.
-    assert_eq!(checker.check(of(&misses), "a"), diff);
-    assert_ne!(checker.check(of(&misses), "b"), diff);
+    assert_eq!(checker.check(Precision::Fast, of(&misses), "a"), diff);
+    assert_ne!(checker.check(Precision::Fast, of(&misses), "b"), diff);
 }
 
 #[test]
@@ -340,7 +344,7 @@ fn as_many_random_rays_are_held_against_exact_arithmetic_as_one_says() {
     let judge = Judge::new(&mesh);
     let of = Answers::Nearest(&hits);
     for (wanted, judged) in [(0, 0), (17, 17), (5000, 3000)] {
-        let diff = Checker::new(&judge, &batch, of, of, wanted, 1).check(of, "");
+        let diff = Checker::new(&judge, &batch, of, of, wanted, 1).check(Precision::Fast, of, "");
         let exact = diff.exact.unwrap();
         assert_eq!((diff.judged_random, exact.rays), (judged, judged));
         assert_eq!(total(&exact.classes), judged);

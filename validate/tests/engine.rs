@@ -2,7 +2,7 @@
 
 use dacrt::scene::generators::generate;
 use dacrt::workloads::{Camera, Film, RayType, Workload};
-use dacrt::{Batch, Hits, Mesh, Method, Tracer};
+use dacrt::{Batch, Hits, Mesh, Method, Precision, Tracer};
 use dacrt_validate::diff::{Checker, Diff};
 use dacrt_validate::embree::{Device, Quality, Query, Scene};
 use dacrt_validate::hash::hit_hash;
@@ -28,7 +28,11 @@ fn check(judge: &Judge, [fast, robust]: &[Scene; 2], batch: &Batch, any_hit: boo
         robust.any(batch, Query::Packet16, &mut of_robust);
         let ours = Answers::Any(&ours);
         let (of_fast, of_robust) = (Answers::Any(&of_fast), Answers::Any(&of_robust));
-        Checker::new(judge, batch, of_fast, of_robust, 1000, 1).check(ours, &hit_hash(&ours))
+        Checker::new(judge, batch, of_fast, of_robust, 1000, 1).check(
+            Precision::Fast,
+            ours,
+            &hit_hash(&ours),
+        )
     } else {
         let ours = trace(judge.mesh(), batch);
         let [mut of_fast, mut of_robust] = [(); 2].map(|()| Hits::misses(n));
@@ -36,7 +40,11 @@ fn check(judge: &Judge, [fast, robust]: &[Scene; 2], batch: &Batch, any_hit: boo
         robust.nearest(batch, Query::Packet16, &mut of_robust);
         let ours = Answers::Nearest(&ours);
         let (of_fast, of_robust) = (Answers::Nearest(&of_fast), Answers::Nearest(&of_robust));
-        Checker::new(judge, batch, of_fast, of_robust, 1000, 1).check(ours, &hit_hash(&ours))
+        Checker::new(judge, batch, of_fast, of_robust, 1000, 1).check(
+            Precision::Fast,
+            ours,
+            &hit_hash(&ours),
+        )
     }
 }
 

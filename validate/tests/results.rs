@@ -1,6 +1,7 @@
 //! Result files: exact round trips, resuming, and messages for what is wrong.
 
 use dacrt_validate::diff::{Diff, Number, Offender, ReferenceDiff};
+use dacrt_validate::embree::Mode;
 use dacrt_validate::judge::{Answer, Verdict, Wrong};
 use dacrt_validate::machine::{Embree, Machine, Software};
 use dacrt_validate::results::{Cell, CellKey, Document, EmbreeTimes, SCHEMA};
@@ -74,6 +75,8 @@ fn cell(method: &str) -> Cell {
         mrays_per_s: Some(33.0),
         acceleration_ratio: None,
         acceleration_interval: None,
+        time_over_fast: None,
+        time_over_fast_interval: None,
         counters: json!({"nodes": 5, "ray_box": u64::MAX})
             .as_object()
             .unwrap()
@@ -91,10 +94,12 @@ fn cell(method: &str) -> Cell {
             out_of_range: 0,
             not_judged: Some(0),
             unexplained: None,
+            errors: None,
             offending: vec![offender],
         },
         printed_rule_wrong: None,
         embree: Some(EmbreeTimes {
+            mode: Mode::Fast,
             best_ms: 2.0,
             best_trace_ms: 1.0,
             build_ms: times(1.0),

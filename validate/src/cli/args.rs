@@ -104,9 +104,6 @@ pub struct EngineArgs {
     /// Instruction set: avx512, avx2 or portable [default: the best that the processor has]
     #[arg(long)]
     pub isa: Option<String>,
-    /// Precision of the triangle test; `fast` is the only one so far
-    #[arg(long, default_value = "fast")]
-    pub precision: String,
     /// Threads to trace with; 1 is the only number so far
     #[arg(
         long,
@@ -143,8 +140,14 @@ pub struct RepeatArgs {
 
 #[derive(Args)]
 #[command(after_help = "\
-Lists are comma-separated. Each combination of scene, resolution, samples, ray type, method and
-method parameters is a cell; a parameter that a method lacks makes no cells of it.
+Lists are comma-separated. Each combination of scene, resolution, samples, ray type, method, method
+parameters and precision is a cell; a parameter that a method lacks makes no cells of it.
+
+fast        float32: near an edge or an end of the interval, rounding may decide
+watertight  no ray passes between two triangles that share an edge (Woop, Benthin and Wald 2013)
+exact       the hits of exact arithmetic, t rounded once; nothing is excused by rounding
+`fast` is set against Embree's default mode, the others against its robust mode; each against
+afra2012 of the same precision.
 
 Rays that share no origin (all but primary and shadow-point) are traced by mora2011 and
 mora2011-cones in the same way as by mora2011-random; `variant` in the result says so.
@@ -159,11 +162,12 @@ Examples:
             --rays primary,diffuse-1,diffuse-2 --repeats 5 --out result.json
   dacrt run --scenes sibenik --rays primary --samples 25,50,100,200 --threshold 0,1.5,3
   dacrt run --scenes sibenik --resolution 512 --spp 64 --rays primary
+  dacrt run --scenes sibenik --precision fast,watertight,exact
 
 The table: a line a cell, the slowest method first. `vs afra2012` is the time of afra2012 over that
 of this method with its 95 % bootstrap interval, marked `<` if all of it is below 1; `vs Embree`
 is the best time of Embree over that of this method. `diff` is two counts of rays: those for which
-our hit is wrong, by exact arithmetic and by more than float32 rounding explains, and all those on
+our hit is wrong, by exact arithmetic and by more than the precision allows, and all those on
 which our hits differ from either Embree mode. The first has to be 0: else the cell has no times,
 the result file has the rays (`dacrt trace --help` says how to trace them again), and the exit
 code is 1. Exact arithmetic judges every ray on which an answer differs, up to 1,000,000 a cell
@@ -181,6 +185,14 @@ pub struct RunArgs {
     /// the last for all others]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub methods: Option<Vec<String>>,
+    /// Precisions of the triangle test: fast, watertight, exact
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "NAMES",
+        default_value = "fast"
+    )]
+    pub precision: Vec<String>,
     /// Picture sizes in pixels
     #[arg(
         long,
@@ -241,9 +253,10 @@ and values of method parameters, by the names that they have in result files:
     \"spp\": [1],
     \"rays\": [\"primary\", \"diffuse-1\"],
     \"methods\": [\"afra2012\", \"nabata2013\"],
+    \"precision\": [\"fast\"],
     \"parameters\": { \"bins\": [4, 8, 16, 32, 64, 128] }
   }
-`about`, `spp` and `parameters` may be left out. Each combination is a cell; a parameter that a
+`about`, `spp`, `precision` and `parameters` may be left out. Each combination is a cell; a parameter that a
 method lacks makes no cells of it.
 
 The result file is written, whole or not at all, after each batch (scene, size and ray type: its
@@ -272,6 +285,9 @@ pub struct SweepArgs {
         allow_negative_numbers = true
     )]
     pub resolution: Option<Vec<Resolution>>,
+    /// Precisions of the triangle test instead of those of the file: fast, watertight, exact
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub precision: Option<Vec<String>>,
     /// Only the I-th, from 1, of N parts
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -372,6 +388,9 @@ pub struct PaperArgs {
     /// Keep the finished cells of the file given by --out
     #[arg(long)]
     pub resume: bool,
+    /// Precision of the triangle test: fast, watertight or exact
+    #[arg(long, value_name = "NAME", default_value = "fast")]
+    pub precision: String,
     #[command(flatten)]
     pub meshes: MeshArgs,
     #[command(flatten)]
@@ -621,6 +640,9 @@ pub struct TraceArgs {
     /// batch whose cell says `"shared_origin": false`
     #[arg(long)]
     pub own_origins: bool,
+    /// Precision of the triangle test: fast, watertight or exact
+    #[arg(long, value_name = "NAME", default_value = "fast")]
+    pub precision: String,
     #[command(flatten)]
     pub meshes: MeshArgs,
     #[command(flatten)]
@@ -703,6 +725,9 @@ pub struct RenderArgs {
     /// Method: afra2012, nabata2013, mora2011, mora2011-cones or mora2011-random
     #[arg(long, value_name = "NAME", default_value = "nabata2013")]
     pub method: String,
+    /// Precision of the triangle test: fast, watertight or exact
+    #[arg(long, value_name = "NAME", default_value = "fast")]
+    pub precision: String,
     #[command(flatten)]
     pub meshes: MeshArgs,
     #[command(flatten)]

@@ -10,8 +10,8 @@ use super::text::thousands;
 use anyhow::{Context, bail, ensure};
 use dacrt::scene::no_such;
 use dacrt::workloads::{Film, RayType};
-use dacrt::{Isa, Method, Parameters};
-use dacrt_validate::embree::{Quality, Query};
+use dacrt::{Isa, Method, Parameters, Precision};
+use dacrt_validate::embree::{Mode, Quality, Query};
 use dacrt_validate::machine::Machine;
 use dacrt_validate::parameters::{is_baseline, own_fields};
 use dacrt_validate::sweep::SweepRun;
@@ -29,11 +29,12 @@ pub struct Engine {
     pub seed: u64,
 }
 
-/// A method with its parameters.
+/// A method with its parameters and precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contestant {
     pub method: Method,
     pub parameters: Parameters,
+    pub precision: Precision,
     /// Tells it from others of the same method; may be empty.
     pub label: String,
     /// The place of the contestant that the acceleration ratio is against.
@@ -52,8 +53,15 @@ impl Round {
     /// About how much there is to do, in rays traced by somebody: each contestant traces all rays,
     /// and so do the combinations of Embree.
     pub fn work(&self) -> f64 {
-        const EMBREE: usize = Quality::ALL.len() * Query::ALL.len();
-        (self.film.rays() * (self.contestants.len() + EMBREE)) as f64
+        const A_MODE: usize = Quality::ALL.len() * Query::ALL.len();
+        let modes = Mode::ALL.into_iter().filter(|&mode| self.is_against(mode));
+        (self.film.rays() * (self.contestants.len() + A_MODE * modes.count())) as f64
+    }
+
+    /// Whether a contestant is set against this mode of Embree.
+    pub fn is_against(&self, mode: Mode) -> bool {
+        let mut precisions = self.contestants.iter().map(|c| c.precision);
+        precisions.any(|precision| Mode::against(precision) == mode)
     }
 }
 
@@ -70,6 +78,7 @@ pub struct Request<'a> {
     pub scenes: Option<&'a [String]>,
     pub rays: Option<&'a [String]>,
     pub methods: Option<&'a [String]>,
+    pub precisions: &'a [String],
     pub films: Vec<Film>,
     pub knobs: &'a KnobLists,
 }
@@ -98,6 +107,7 @@ impl RunPlan {
             scenes: args.scenes.as_deref(),
             rays: args.rays.as_deref(),
             methods: args.methods.as_deref(),
+            precisions: &args.precision,
             films: films(&args.resolution, &args.spp)?,
             knobs: &args.knobs,
         };
@@ -140,6 +150,9 @@ pub fn scene_jobs(
         methods.collect::<anyhow::Result<Vec<_>>>()
     });
     let methods = methods.transpose()?;
+    let precisions: Vec<Precision> = distinct(request.precisions)
+        .map(precision)
+        .collect::<anyhow::Result<_>>()?;
     let rays = request.rays.map(|names| {
         let rays = distinct(names).map(ray_type);
         rays.collect::<anyhow::Result<Vec<_>>>()
@@ -166,7 +179,7 @@ pub fn scene_jobs(
         for &film in &request.films {
             for &rays in &rays {
                 let methods = methods.as_deref().unwrap_or_else(|| default_methods(rays));
-                let contestants = contestants(methods, request.knobs)?;
+                let contestants = contestants(methods, &precisions, request.knobs)?;
                 for warning in missing_baselines(&contestants) {
                     if !warnings.contains(&warning) {
                         warnings.push(warning);
@@ -242,24 +255,39 @@ fn default_methods(rays: RayType) -> &'static [Method] {
     }
 }
 
-/// A contestant for each method and combination of parameters, each with its baseline.
-pub fn contestants(methods: &[Method], knobs: &KnobLists) -> anyhow::Result<Vec<Contestant>> {
+/// A contestant for each method, combination of parameters and precision, each with its baseline.
+pub fn contestants(
+    methods: &[Method],
+    precisions: &[Precision],
+    knobs: &KnobLists,
+) -> anyhow::Result<Vec<Contestant>> {
     let mut contestants: Vec<Contestant> = Vec::new();
     for &method in methods {
         for parameters in knobs.grid(method)? {
-            contestants.push(Contestant {
-                method,
-                parameters,
-                label: knobs.label(method, &parameters),
-                baseline: None,
-            });
+            let label = knobs.label(method, &parameters);
+            for &precision in precisions {
+                let of_precision = format!("{label} precision={precision}");
+                contestants.push(Contestant {
+                    method,
+                    parameters,
+                    precision,
+                    label: match precisions.len() {
+                        1 => label.clone(),
+                        _ => of_precision.trim_start().to_owned(),
+                    },
+                    baseline: None,
+                });
+            }
         }
     }
     for i in 0..contestants.len() {
         let own = |c: &Contestant| own_fields(c.method, &c.parameters);
         let parameters = own(&contestants[i]);
-        let is_it =
-            |b: &Contestant| b.method == Method::Afra2012 && is_baseline(&own(b), &parameters);
+        let precision = contestants[i].precision;
+        let is_it = |b: &Contestant| {
+            (b.method, b.precision) == (Method::Afra2012, precision)
+                && is_baseline(&own(b), &parameters)
+        };
         contestants[i].baseline = contestants.iter().position(is_it);
     }
     Ok(contestants)
@@ -286,19 +314,8 @@ fn missing_baselines(contestants: &[Contestant]) -> Vec<String> {
     warnings
 }
 
-/// The instruction set; precision and threads are only checked, for there is no choice yet.
+/// The instruction set; the number of threads is only checked, for there is no choice yet.
 pub fn engine(args: &EngineArgs) -> anyhow::Result<Engine> {
-    match args.precision.as_str() {
-        "fast" => {}
-        "watertight" | "exact" => bail!(
-            "--precision {}: not there yet; this version has `fast` only",
-            args.precision
-        ),
-        other => bail!(
-            "--precision: {}",
-            no_such("precision", other, &["fast", "watertight", "exact"])
-        ),
-    }
     ensure!(
         args.threads == 1,
         "--threads {}: not there yet; this version traces with one thread",
@@ -356,6 +373,12 @@ pub fn film(size: Resolution, spp: Spp) -> anyhow::Result<Film> {
 pub fn method(name: &str) -> anyhow::Result<Method> {
     let found = Method::ALL.into_iter().find(|m| m.name() == name);
     found.with_context(|| no_such("method", name, &Method::ALL.map(Method::name)))
+}
+
+/// A precision by its name.
+pub fn precision(name: &str) -> anyhow::Result<Precision> {
+    let names = Precision::ALL.map(Precision::name);
+    Precision::from_str(name).map_err(|_| anyhow::anyhow!(no_such("precision", name, &names)))
 }
 
 fn ray_type(name: &str) -> anyhow::Result<RayType> {

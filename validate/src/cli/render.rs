@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 pub fn render(args: &RenderArgs) -> anyhow::Result<Verdict> {
     let method = plan::method(&args.method)?;
     let parameters = args.knobs.single(method)?;
+    let precision = plan::precision(&args.precision)?;
     let choice = plan::engine(&args.engine)?;
     let source = SceneSource::find(&args.scene)?;
     let view = source.view()?;
@@ -33,6 +34,7 @@ pub fn render(args: &RenderArgs) -> anyhow::Result<Verdict> {
     let scene = Scene::load(&source.json, &mesh_folders)?;
     let tracer = Tracer::new(parameters)
         .with_isa(choice.isa)
+        .with_precision(precision)
         .with_seed(choice.seed);
     let mut engine = Engine::new(tracer, &scene.mesh);
     let workload = |film| Workload::new(&scene.mesh, view.camera, film, view.light, choice.seed);

@@ -68,6 +68,9 @@ fn plan(args: &SweepArgs) -> anyhow::Result<RunPlan> {
         let sides = |r: &Resolution| Size::Sides([r.width, r.height]);
         file.resolution = sizes.iter().map(sides).collect();
     }
+    if let Some(precisions) = &args.precision {
+        file.precision = precisions.clone();
+    }
     let engine = engine(&args.engine)?;
     let mesh_folders = mesh_folders(&args.meshes);
     let (mut scenes, warnings) =
@@ -113,6 +116,7 @@ fn jobs(file: &Sweep, mesh_folders: &[PathBuf]) -> anyhow::Result<(Vec<SceneJob>
         scenes: Some(&file.scenes),
         rays: Some(&file.rays),
         methods: Some(&file.methods),
+        precisions: &file.precision,
         films: films(&sizes, &samples)?,
         knobs: &knobs,
     };

@@ -16,6 +16,7 @@ use dacrt_validate::npy::{read_rays, write_hits, write_occluded};
 pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
     let method = plan::method(&args.method)?;
     let parameters = args.knobs.single(method)?;
+    let precision = plan::precision(&args.precision)?;
     let engine = plan::engine(&args.engine)?;
     check_writable(&args.out).context("--out")?;
     let mesh = load(args)?;
@@ -23,6 +24,7 @@ pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
 
     let tracer = Tracer::new(parameters)
         .with_isa(engine.isa)
+        .with_precision(precision)
         .with_seed(engine.seed)
         .with_own_origins(args.own_origins);
     let mut workspace = tracer.workspace(batch.len(), mesh.len());

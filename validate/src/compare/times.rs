@@ -260,10 +260,10 @@ impl<'a> Batch<'a> {
         (!std::ptr::eq(baseline, self.cell)).then_some(baseline)
     }
 
-    /// The cells of other methods.
+    /// The cells of other methods in the same precision.
     fn other_methods(&self) -> impl Iterator<Item = &'a Cell> {
-        let others = self.cells.iter().copied();
-        others.filter(|c| c.key.method != self.cell.key.method)
+        let (key, others) = (&self.cell.key, self.cells.iter().copied());
+        others.filter(|c| c.key.method != key.method && c.key.precision == key.precision)
     }
 
     /// `None` if one of them has no times.
@@ -344,7 +344,8 @@ fn samples(cell: &Cell) -> &[f64] {
 }
 
 /// Whether both were measured in turns: two cells of a batch may be of two runs that were merged,
-/// but then the times of Embree are not the same to the last digit.
+/// but then the times of Embree are not the same to the last digit. (Cells that are set against
+/// different modes of Embree do not count as neighbours: nothing shows that they are.)
 fn took_turns(a: &Cell, b: &Cell) -> bool {
     a.key.batch() == b.key.batch() && a.embree == b.embree
 }

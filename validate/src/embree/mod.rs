@@ -6,12 +6,14 @@
 mod best;
 mod device;
 mod flush;
+mod mode;
 mod packed;
 mod scene;
 mod trace;
 
 pub use best::{Best, Combination};
 pub use device::{Device, Info, mxcsr};
+pub use mode::Mode;
 pub use packed::Packed;
 pub use scene::{Quality, Scene};
 pub use trace::Query;

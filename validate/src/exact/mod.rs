@@ -16,5 +16,5 @@ mod pair;
 mod search;
 
 pub(crate) use nearest::can_be_hit;
-pub use nearest::{Arbiter, Found, Nearest};
+pub use nearest::{Arbiter, Found, Nearest, Reach};
 pub use pair::{has_area, meet};

@@ -4,6 +4,7 @@ use super::distance::Distance;
 use super::pair::{has_area, meet};
 use super::search::Tree;
 use crate::bounds::Pair;
+use crate::watertight::{Sheared, Surfaces};
 use dacrt::{Mesh, Ray};
 
 /// Finds exact hits on one mesh.
@@ -31,6 +32,18 @@ pub struct Found {
     pub clear: Option<(u32, Pair)>,
     /// Whether there is a hit that the kernel of record may find ([`Pair::within_bounds`]).
     pub possible: bool,
+}
+
+/// What the watertight kernel may make of a ray.
+#[derive(Clone, Debug, Default)]
+pub struct Reach {
+    /// Of the hits that it must find ([`Sheared::clear`]) the one for which it gives the least t,
+    /// however it rounds; with the triangle's number.
+    pub clear: Option<(u32, Sheared)>,
+    /// Whether there is a hit that it may find ([`Sheared::within_bounds`]).
+    pub possible: bool,
+    /// All triangles that corners may be moved to be hit, up to where it finds the clear one.
+    candidates: Vec<u32>,
 }
 
 impl<'m> Arbiter<'m> {
@@ -89,6 +102,35 @@ impl<'m> Arbiter<'m> {
             })
             .min_by(|x, y| (&x.t, x.prim).cmp(&(&y.t, y.prim)));
         found
+    }
+
+    /// What the watertight kernel may make of a valid ray; about 5 µs.
+    pub fn reach(&self, ray: &Ray) -> Reach {
+        let mut reach = Reach::default();
+        let mut latest = f64::INFINITY;
+        self.tree.visit(ray, |prim| {
+            let sheared = Sheared::new(ray, &self.mesh.triangles()[prim as usize]);
+            if sheared.possible {
+                reach.candidates.push(prim);
+                reach.possible |= sheared.within_bounds();
+                if sheared.clear() && sheared.latest() < latest {
+                    latest = sheared.latest();
+                    reach.clear = Some((prim, sheared));
+                }
+            }
+            latest
+        });
+        reach
+    }
+
+    /// The distance at which, at the latest, the watertight kernel finds a hit on a surface that no
+    /// rounding lets the ray pass, if there is one; see [`crate::watertight`].
+    pub fn surface(&self, ray: &Ray, reach: &Reach) -> Option<f64> {
+        let with_bounds = |&prim: &u32| {
+            let triangle = self.mesh.triangles()[prim as usize];
+            (triangle, Sheared::new(ray, &triangle))
+        };
+        Surfaces::new(ray, reach.candidates.iter().map(with_bounds).collect()).latest()
     }
 }
 

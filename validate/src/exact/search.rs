@@ -5,11 +5,13 @@
 //! origin is within lo … hi. Float64 rounds the difference of two float32 and the division by at
 //! most 2⁻⁵³ each, and nothing overflows or underflows: distances are between 1e-45 / 3.4e38 and
 //! 6.8e38 / 1e-45. The interval is widened by far more: by what the kernel of record may round and
-//! by which it pads its own boxes. So what is left out is hit neither in exact arithmetic nor by
-//! the kernel of record, which counts a hit only within the padded interval of the triangle's box
+//! by which it pads its own boxes; before that the box is enlarged by what the watertight kernel may
+//! move corners ([`crate::watertight`]). So what is left out is hit neither in exact arithmetic nor
+//! by our kernels, which count a hit only within the padded interval of the triangle's box
 //! ([`crate::bounds`]), and whose intervals are the greater the greater the box.
 
 use crate::bounds::{BOX_PADDING, SLAB_ROUNDINGS, TINY};
+use crate::watertight::ENLARGED;
 use dacrt::{Aabb, Ray, Triangle};
 
 /// Most triangles in a leaf.
@@ -142,16 +144,21 @@ impl Slabs {
 
     /// Where the ray enters the box at the earliest, widened as said above; none if it passes by.
     fn near(&self, bounds: &Aabb) -> Option<f64> {
+        let ends: [[f64; 2]; 3] = std::array::from_fn(|i| {
+            [bounds.min[i], bounds.max[i]].map(|x| f64::from(x) - self.axes[i].origin)
+        });
+        let largest = ends.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let shift = ENLARGED * largest;
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
-        for (i, axis) in self.axes.iter().enumerate() {
-            let (lo, hi) = (f64::from(bounds.min[i]), f64::from(bounds.max[i]));
-            if axis.parallel && lo <= axis.origin && axis.origin <= hi {
+        for (axis, [lo, hi]) in self.axes.iter().zip(ends) {
+            let (lo, hi) = (lo - shift, hi + shift);
+            if axis.parallel && lo <= 0.0 && 0.0 <= hi {
                 continue;
             }
             if axis.direction == 0.0 {
                 return None;
             }
-            let ends = [lo, hi].map(|x| (x - axis.origin) / axis.direction);
+            let ends = [lo, hi].map(|x| x / axis.direction);
             near = near.max(ends[0].min(ends[1]));
             far = far.min(ends[0].max(ends[1]));
         }

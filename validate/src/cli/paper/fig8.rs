@@ -136,12 +136,13 @@ impl Work {
 }
 
 impl Figure {
-    /// The figure of a result file, which may have other cells, too; those of the first size count.
+    /// The figure of a result file, which may have other cells, too; those of the first size and
+    /// precision count.
     pub fn of(document: &Document) -> Figure {
         let mut figure = Figure::default();
         for cell in &document.cells {
-            let key = &cell.key;
-            if key.resolution != document.cells[0].key.resolution {
+            let (key, first) = (&cell.key, &document.cells[0].key);
+            if (key.resolution, &key.precision) != (first.resolution, &first.precision) {
                 continue;
             }
             if !figure.scenes.iter().any(|scene| scene.name == key.scene) {

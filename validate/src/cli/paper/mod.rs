@@ -5,7 +5,9 @@ mod fig8;
 use super::Verdict;
 use super::args::{Paper, PaperArgs};
 use super::knobs::KnobLists;
-use super::plan::{Round, RunPlan, add_scene, check_writable, contestants, distinct, engine, film};
+use super::plan::{
+    Round, RunPlan, add_scene, check_writable, contestants, distinct, engine, film, precision,
+};
 use super::run;
 use super::size::Spp;
 use super::source::{SceneSource, mesh_folders};
@@ -61,13 +63,14 @@ fn print_from(path: &Path) -> anyhow::Result<Verdict> {
 /// a mesh included.
 fn plan(args: &PaperArgs, film: Film, figure: &mut Figure) -> anyhow::Result<RunPlan> {
     let engine = engine(&args.engine)?;
+    let precision = precision(&args.precision)?;
     let mesh_folders = mesh_folders(&args.meshes);
     let names = match &args.scenes {
         Some(names) => distinct(names).collect(),
         None => SCENES.to_vec(),
     };
     let round = |rays, methods: &[Method]| -> anyhow::Result<Round> {
-        let contestants = contestants(methods, &KnobLists::default())?;
+        let contestants = contestants(methods, &[precision], &KnobLists::default())?;
         Ok(Round {
             film,
             rays,

@@ -3,7 +3,8 @@
 use super::contest::Times;
 use super::reference::Reference;
 use crate::cli::plan::Contestant;
-use dacrt_validate::embree::{Best, Quality, Query};
+use dacrt::Precision;
+use dacrt_validate::embree::{Best, Mode, Quality, Query};
 use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{Cell, CellKey, EmbreeTimes};
 use dacrt_validate::statistics::{median, paired_ratio};
@@ -29,7 +30,7 @@ impl BatchKey {
             spp: self.spp,
             rays: self.rays.clone(),
             method: contestant.method.name().to_owned(),
-            precision: "fast".to_owned(),
+            precision: contestant.precision.name().to_owned(),
             parameters: own_fields(contestant.method, &contestant.parameters),
         }
     }
@@ -56,20 +57,27 @@ pub fn enter_times(
     times: &Times,
     reference: &Reference,
 ) {
-    let embree = Embree::new(times, reference);
+    let in_modes = Mode::ALL.map(|mode| (mode, Embree::new(mode, times, reference)));
     for (place, &cell) in passed.iter().enumerate() {
         if times.unstable.contains(&place) {
             continue;
         }
         let ours = &times.methods[place];
         let against = |samples: &[f64]| paired_ratio(samples, ours);
-        let baseline = contestants[cell].baseline;
-        let baseline = baseline.and_then(|b| passed.iter().position(|&p| p == b));
-        let acceleration = baseline
-            .filter(|b| !times.unstable.contains(b))
-            .and_then(|b| against(&times.methods[b]));
-        let total = against(&embree.best_total_samples);
-        let trace = against(&embree.best_trace_samples);
+        let contestant = &contestants[cell];
+        let samples_of = |other: usize| {
+            let place = passed.iter().position(|&p| p == other)?;
+            (!times.unstable.contains(&place)).then(|| &*times.methods[place])
+        };
+        let baseline = contestant.baseline.and_then(samples_of);
+        let acceleration = baseline.and_then(against);
+        let fast = fast(contestants, contestant).and_then(samples_of);
+        let over_fast = fast.and_then(|fast| paired_ratio(ours, fast));
+        let mode = Mode::against(contestant.precision);
+        let (_, embree) = (in_modes.iter().find(|(m, _)| *m == mode)).expect("both modes");
+        let embree = embree.as_ref();
+        let total = embree.and_then(|e| against(&e.best_total_samples));
+        let trace = embree.and_then(|e| against(&e.best_trace_samples));
         let cell = &mut cells[cell];
         let median_ms = middle(ours);
         cell.median_ms = Some(median_ms);
@@ -77,12 +85,23 @@ pub fn enter_times(
         cell.samples_ms = Some(ours.clone());
         cell.acceleration_ratio = acceleration.map(|r| r.ratio);
         cell.acceleration_interval = acceleration.map(|r| r.interval);
+        cell.time_over_fast = over_fast.map(|r| r.ratio);
+        cell.time_over_fast_interval = over_fast.map(|r| r.interval);
         cell.ratio_embree_total = total.map(|r| r.ratio);
         cell.ratio_embree_total_interval = total.map(|r| r.interval);
         cell.ratio_embree_trace = trace.map(|r| r.ratio);
         cell.ratio_embree_trace_interval = trace.map(|r| r.interval);
-        cell.embree = Some(embree.times.clone());
+        cell.embree = embree.map(|e| e.times.clone());
     }
+}
+
+/// The place of the contestant that differs by its precision alone, which is `fast`.
+fn fast(contestants: &[Contestant], from: &Contestant) -> Option<usize> {
+    let is_it = |c: &Contestant| {
+        (c.method, c.precision) == (from.method, Precision::Fast) && c.parameters == from.parameters
+    };
+    let place = contestants.iter().position(is_it);
+    place.filter(|_| from.precision != Precision::Fast)
 }
 
 struct Embree {
@@ -93,11 +112,12 @@ struct Embree {
 }
 
 impl Embree {
-    fn new(times: &Times, reference: &Reference) -> Embree {
-        let built = reference.contestants.iter();
-        let built = built.map(|b| (b.quality.name().to_owned(), b.samples_ms.clone()));
-        let traced = times.embree.iter();
-        let traced = traced.map(|(quality, query, ms)| (name(*quality, *query), ms.clone()));
+    /// `None` if this mode was not timed.
+    fn new(mode: Mode, times: &Times, reference: &Reference) -> Option<Embree> {
+        let of_mode = || reference.contestants.iter().filter(|b| b.mode == mode);
+        let built = of_mode().map(|b| (b.quality.name().to_owned(), b.samples_ms.clone()));
+        let traced = times.embree.iter().filter(|t| t.mode == mode);
+        let traced = traced.map(|t| (name(t.quality, t.query), t.samples_ms.clone()));
         let (built, traced): (BTreeMap<_, _>, BTreeMap<_, _>) = (built.collect(), traced.collect());
         let medians = |samples: &BTreeMap<String, Vec<f64>>| {
             let medians = samples.iter().map(|(name, ms)| (name.clone(), middle(ms)));
@@ -105,27 +125,27 @@ impl Embree {
         };
         let (build_ms, trace_ms) = (medians(&built), medians(&traced));
         let samples_ms: BTreeMap<String, Vec<f64>> = traced.into_iter().chain(built).collect();
-        let Best { total, trace } = Best::of(&samples_ms).expect("not all are given up");
-        let bytes = reference.contestants.iter();
-        let prepacked = times.prepacked.iter();
-        Embree {
+        let Best { total, trace } = Best::of(&samples_ms)?;
+        let prepacked = times.prepacked.iter().filter(|t| t.mode == mode);
+        Some(Embree {
             best_total_samples: total.traces.iter().map(|ms| total.build_ms + ms).collect(),
             best_trace_samples: trace.traces.to_vec(),
             times: EmbreeTimes {
+                mode,
                 best_ms: total.total_ms(),
                 best_trace_ms: trace.trace_ms,
                 build_ms,
                 trace_ms,
                 trace_prepacked_ms: prepacked
-                    .map(|(quality, query, samples)| (name(*quality, *query), middle(samples)))
+                    .map(|t| (name(t.quality, t.query), middle(&t.samples_ms)))
                     .collect(),
-                bytes: bytes
+                bytes: of_mode()
                     .filter(|b| b.quality.name() == total.quality)
                     .map(|b| b.scene.bytes())
                     .sum(),
                 samples_ms,
             },
-        }
+        })
     }
 }
 

@@ -19,18 +19,21 @@ impl Findings {
         let BatchKey { scene, rays, .. } = key;
         // Hits by the printed rule are wrong by design: they are nobody's measure.
         let by_printed_rule = |cell: &Cell| cell.printed_rule_wrong.is_some_and(|n| n > 0);
-        let mut ours = cells.iter().filter(|cell| !by_printed_rule(cell));
-        if let Some(first) = ours.next()
-            && let Some(other) = ours.find(|cell| cell.hit_hash != first.hit_hash)
-        {
+        let ours: Vec<&Cell> = cells.iter().filter(|cell| !by_printed_rule(cell)).collect();
+        let mut pairs = ours.iter().flat_map(|a| ours.iter().map(move |b| (a, b)));
+        let differ = |(a, b): &(&&Cell, &&Cell)| {
+            a.key.precision == b.key.precision && a.hit_hash != b.hit_hash
+        };
+        if let Some((first, other)) = pairs.find(differ) {
             self.wrong = true;
             progress.warn(&format!(
                 "{scene} {rays}: {} and {} have different hits, which no two methods may have",
-                first.key.method, other.key.method
+                name(first),
+                name(other)
             ));
         }
         for cell in cells.iter().filter(|cell| cell.is_wrong()) {
-            let method = &cell.key.method;
+            let method = name(cell);
             if by_printed_rule(cell) {
                 self.by_printed_rule = true;
                 progress.warn(&format!(
@@ -76,5 +79,13 @@ impl Findings {
             }
             (false, false) => "",
         }
+    }
+}
+
+/// The method, and the precision where it is not the usual one.
+fn name(cell: &Cell) -> String {
+    match (cell.key.method.as_str(), cell.key.precision.as_str()) {
+        (method, "fast") => method.to_owned(),
+        (method, precision) => format!("{method} {precision}"),
     }
 }

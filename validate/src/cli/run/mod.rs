@@ -8,7 +8,7 @@ mod reference;
 
 use super::args::RunArgs;
 use super::engine::{Engine, Workspaces};
-use super::plan::{Round, RunPlan, SceneJob};
+use super::plan::{Contestant, Round, RunPlan, SceneJob};
 use super::progress::Progress;
 use super::source::View;
 use super::table::Report;
@@ -20,9 +20,9 @@ use cells::enter_times;
 use contest::{Entrant, contest};
 use dacrt::scene::Scene;
 use dacrt::workloads::{Film, Workload};
-use dacrt::{Batch, Method, Parameters, SpaceParameters, Tracer};
+use dacrt::{Batch, Method, Parameters, Precision, SpaceParameters, Tracer};
 use dacrt_validate::diff::Checker;
-use dacrt_validate::embree::{Device, Query};
+use dacrt_validate::embree::{Device, Mode, Query};
 use dacrt_validate::hash::{hit_hash, ray_hash};
 use dacrt_validate::judge::Judge;
 use dacrt_validate::machine::{Machine, Software};
@@ -102,8 +102,10 @@ pub fn execute(
         }
         progress.step(&format!("{}: loading", job.source.name()));
         let scene = Scene::load(&job.source.json, &plan.mesh_folders)?;
+        let is_timed = |mode: &Mode| missing.iter().any(|(round, _)| round.is_against(*mode));
+        let timed: Vec<Mode> = Mode::ALL.into_iter().filter(is_timed).collect();
         let bench = Bench {
-            reference: Reference::build(&device, &scene.mesh, plan.repeats, progress)?,
+            reference: Reference::build(&device, &scene.mesh, plan.repeats, &timed, progress)?,
             judge: Judge::new(&scene.mesh),
             scene: &scene,
             view: &job.view,
@@ -220,7 +222,7 @@ impl Bench<'_> {
 
         step("making rays");
         let batch = {
-            // Always the baseline with its defaults, whatever the run is about.
+            // Always the baseline with its defaults in precision `fast`, whatever the run is about.
             let tracer = Tracer::new(Method::Afra2012.parameters());
             let mut engine = Engine::new(tracer, mesh);
             let rays = workload.rays(ray_type, &mut |parents| engine.nearest(parents).0)?;
@@ -234,8 +236,7 @@ impl Bench<'_> {
             answers.trace_embree(scene, &batch, Query::Single);
             answers
         };
-        let fast = by_embree(self.reference.fast());
-        let robust = by_embree(&self.reference.robust);
+        let [fast, robust] = Mode::ALL.map(|mode| by_embree(self.reference.scene(mode)));
         let seed = self.plan.engine.seed;
         let (fast, robust) = (fast.view(), robust.view());
         let mut checker =
@@ -244,8 +245,12 @@ impl Bench<'_> {
         let mut cells = Vec::new();
         let mut entrants = Vec::new();
         for (place, contestant) in round.contestants.iter().enumerate() {
-            let parameters = contestant.parameters;
-            let tracer = self.tracer(parameters);
+            let Contestant {
+                parameters,
+                precision,
+                ..
+            } = *contestant;
+            let tracer = self.tracer(parameters, precision);
             let mut answers = Answers::room(batch.len(), any);
             let audited = tracer.with_audit(true);
             let workspace = workspaces.of(&parameters);
@@ -253,11 +258,11 @@ impl Bench<'_> {
             let trace = answers.trace(&audited, mesh, &batch, workspace);
             let printed_rule_wrong = without_printed_rule(&parameters).map(|right| {
                 let mut expected = Answers::room(batch.len(), any);
-                expected.trace(&self.tracer(right), mesh, &batch, workspace);
+                expected.trace(&self.tracer(right, precision), mesh, &batch, workspace);
                 answers.differing(&expected) as u64
             });
             let hit_hash = hit_hash(&answers.view());
-            let diff = checker.check(answers.view(), &hit_hash);
+            let diff = checker.check(precision, answers.view(), &hit_hash);
             let mut key = key.cell(contestant);
             if let Some(variant) = trace.variant {
                 key.parameters
@@ -278,6 +283,8 @@ impl Bench<'_> {
                 mrays_per_s: None,
                 acceleration_ratio: None,
                 acceleration_interval: None,
+                time_over_fast: None,
+                time_over_fast_interval: None,
                 counters: as_object(&trace.counters)?,
                 workspace_bytes,
                 hits: answers.hit_count(),
@@ -294,6 +301,7 @@ impl Bench<'_> {
                 entrants.push(Entrant {
                     place,
                     parameters,
+                    precision,
                     tracer,
                     answers,
                 });
@@ -305,8 +313,9 @@ impl Bench<'_> {
         Ok(cells)
     }
 
-    fn tracer(&self, parameters: Parameters) -> Tracer {
+    fn tracer(&self, parameters: Parameters, precision: Precision) -> Tracer {
         Tracer::new(parameters)
+            .with_precision(precision)
             .with_isa(self.plan.engine.isa)
             .with_seed(self.plan.engine.seed)
     }

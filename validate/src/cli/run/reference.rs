@@ -2,7 +2,7 @@
 
 use crate::cli::progress::Progress;
 use dacrt::Mesh;
-use dacrt_validate::embree::{Device, Quality, Scene};
+use dacrt_validate::embree::{Device, Mode, Quality, Scene};
 
 /// A quality whose builds have taken this long together is not built again.
 const BUILD_BUDGET_MS: f64 = 5_000.0;
@@ -10,65 +10,79 @@ const BUILD_BUDGET_MS: f64 = 5_000.0;
 /// long as later ones, which would flatter us.
 const WARM_UP_BUILDS: u32 = 2;
 
-/// One mesh in Embree: the contestants in default mode, and a robust scene to be judged by.
+/// One mesh in Embree: contestants, and a scene in each mode to be judged by.
 pub struct Reference {
-    /// In the order of [`Quality::ALL`].
+    /// Of each mode that is timed all qualities, in the order of [`Quality::ALL`].
     pub contestants: Vec<Built>,
-    pub robust: Scene,
+    /// In the modes that are not timed.
+    judges: Vec<(Mode, Scene)>,
 }
 
-/// A scene and the times of all builds of its quality.
+/// A scene and the times of all builds of its mode and quality.
 pub struct Built {
+    pub mode: Mode,
     pub quality: Quality,
     pub scene: Scene,
     pub samples_ms: Vec<f64>,
 }
 
 impl Reference {
-    /// Builds each quality `repeats` times in turn, fewer times where that takes long; the robust
-    /// scene once, which is not timed.
+    /// Builds each quality of the modes that are timed `repeats` times in turn, fewer times where
+    /// that takes long; of other modes one scene, which is not timed.
     pub fn build(
         device: &Device,
         mesh: &Mesh,
         repeats: u32,
+        timed: &[Mode],
         progress: &Progress,
     ) -> anyhow::Result<Reference> {
-        let build = |quality: Quality, robust| {
+        let build = |quality: Quality, mode| {
             progress.step(&format!("Embree builds ({})", quality.name()));
-            Scene::build(device, mesh, quality, robust)
+            Scene::build(device, mesh, quality, mode == Mode::Robust)
         };
-        let robust = build(Quality::Medium, true)?;
-        for _ in 0..WARM_UP_BUILDS {
-            build(Quality::Low, false)?;
+        let mut judges = Vec::new();
+        for mode in Mode::ALL {
+            if !timed.contains(&mode) {
+                judges.push((mode, build(Quality::Medium, mode)?));
+            }
         }
         let mut contestants = Vec::new();
-        for quality in Quality::ALL {
-            let scene = build(quality, false)?;
-            contestants.push(Built {
-                quality,
-                samples_ms: vec![milliseconds(&scene)],
-                scene,
-            });
+        for &mode in timed {
+            for _ in 0..WARM_UP_BUILDS {
+                build(Quality::Low, mode)?;
+            }
+            for quality in Quality::ALL {
+                let scene = build(quality, mode)?;
+                contestants.push(Built {
+                    mode,
+                    quality,
+                    samples_ms: vec![milliseconds(&scene)],
+                    scene,
+                });
+            }
         }
         for _ in 1..repeats {
             for built in &mut contestants {
                 if built.samples_ms.iter().sum::<f64>() < BUILD_BUDGET_MS {
-                    let scene = build(built.quality, false)?;
+                    let scene = build(built.quality, built.mode)?;
                     built.samples_ms.push(milliseconds(&scene));
                 }
             }
         }
         Ok(Reference {
             contestants,
-            robust,
+            judges,
         })
     }
 
-    /// The scene in default mode that hits are judged by.
-    pub fn fast(&self) -> &Scene {
-        let medium = |b: &&Built| b.quality == Quality::Medium;
-        let built = self.contestants.iter().find(medium);
-        &built.expect("all qualities are built").scene
+    /// The scene of medium quality that hits are judged by.
+    pub fn scene(&self, mode: Mode) -> &Scene {
+        let contestants = self.contestants.iter();
+        let timed = contestants.filter(|b| b.quality == Quality::Medium);
+        let timed = timed.map(|b| (b.mode, &b.scene));
+        let mut all = timed.chain(self.judges.iter().map(|(mode, scene)| (*mode, scene)));
+        let scene = all.find(|(m, _)| *m == mode);
+        scene.expect("each mode is built").1
     }
 }
 
