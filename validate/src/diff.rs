@@ -128,8 +128,9 @@ pub struct Errors {
     /// A hit (any hit: occluded), where there is none.
     #[serde(rename = "false")]
     pub false_hits: u64,
-    /// Those of these three, and distances of the right triangle, that are wrong by more than the
-    /// bounds.
+    /// Those of these three to which rounding within the bounds may lead.
+    pub within_bounds: u64,
+    /// All answers to which it may not, distances of the right triangle included.
     pub beyond_bounds: u64,
     /// t where the right triangle is hit.
     #[serde(flatten)]
@@ -546,16 +547,18 @@ impl ErrorCount {
     ) {
         let errors = &mut self.errors;
         errors.beyond_bounds += verdict.is_wrong() as u64;
-        match (answer, nearest) {
-            (Answer::Miss | Answer::Free, Some(_)) => errors.lost += 1,
-            (Answer::Hit { .. } | Answer::Occluded, None) => errors.false_hits += 1,
+        let count = match (answer, nearest) {
+            (Answer::Miss | Answer::Free, Some(_)) => &mut errors.lost,
+            (Answer::Hit { .. } | Answer::Occluded, None) => &mut errors.false_hits,
             (Answer::Hit { prim, .. }, Some(exact))
                 if prim != exact.prim && !also_nearest(prim) =>
             {
-                errors.wrong += 1;
+                &mut errors.wrong
             }
-            _ => self.distances.extend(distance_error(answer, nearest)),
-        }
+            _ => return self.distances.extend(distance_error(answer, nearest)),
+        };
+        *count += 1;
+        errors.within_bounds += !verdict.is_wrong() as u64;
     }
 
     fn errors(self) -> Errors {

@@ -1,5 +1,6 @@
 //! The validator.
 
+pub mod accuracy;
 pub mod atomic;
 pub mod bounds;
 pub mod compare;

@@ -191,9 +191,9 @@ impl CellKey {
 /// Embree on the rays of a cell. Keys: of `build_ms` the quality; of the traces quality and query.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EmbreeTimes {
-    /// The mode that all of this is of.
-    #[serde(default)]
-    pub mode: Mode,
+    /// The mode that all of this is of; `None` in files from before there was another than `fast`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mode: Option<Mode>,
     /// Least of median build + median trace.
     pub best_ms: f64,
     /// Least median trace.
@@ -426,7 +426,8 @@ impl Document {
         Ok(())
     }
 
-    /// The parameters that have more than one value among the cells of one method.
+    /// The parameters that have more than one value among the cells of one method, `precision`
+    /// among them.
     pub fn varied(&self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for (i, a) in self.cells.iter().enumerate() {
@@ -439,6 +440,10 @@ impl Document {
                 if differs && name != "variant" && !names.contains(name) {
                     names.push(name.clone());
                 }
+            }
+            let precision = "precision".to_owned();
+            if a.key.precision != b.key.precision && !names.contains(&precision) {
+                names.push(precision);
             }
         }
         names

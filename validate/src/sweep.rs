@@ -64,7 +64,7 @@ pub struct Sweep {
     #[schemars(length(min = 1), extend("items" = names(Method::ALL.map(|m| m.to_string()))))]
     pub methods: Vec<String>,
     /// Precisions of the triangle test.
-    #[serde(default = "fast")]
+    #[serde(default = "fast", skip_serializing_if = "is_fast")]
     #[schemars(length(min = 1), extend("items" = names(Precision::ALL.map(Precision::name))))]
     pub precision: Vec<String>,
     /// Values of method parameters, by the names that they have in result files.
@@ -122,6 +122,10 @@ fn one_sample() -> Vec<u32> {
 
 fn fast() -> Vec<String> {
     vec![Precision::Fast.to_string()]
+}
+
+fn is_fast(names: &[String]) -> bool {
+    names == fast()
 }
 
 /// Says in a result file which sweep it is of.

@@ -84,7 +84,7 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
         },
         printed_rule_wrong: None,
         embree: Some(EmbreeTimes {
-            mode: Mode::Fast,
+            mode: Some(Mode::Fast),
             best_ms: 99.0,
             best_trace_ms: 99.0,
             build_ms: BTreeMap::new(),

@@ -377,3 +377,130 @@ fn rays_that_are_too_many_to_judge_count_as_wrong() {
         (n, None)
     );
 }
+
+/// What exact arithmetic has for all rays.
+fn exact_hits(mesh: &Mesh, batch: &Batch) -> Hits {
+    let all: Vec<u32> = (0..batch.len() as u32).collect();
+    let mut hits = Hits::misses(batch.len());
+    for (i, judgement) in Judge::new(mesh)
+        .judge(batch, &all, &[])
+        .into_iter()
+        .enumerate()
+    {
+        if let Some(nearest) = judgement.nearest {
+            (hits.t[i], hits.prim[i]) = (nearest.t.to_f32(), nearest.prim);
+        }
+    }
+    hits
+}
+
+/// A tie excuses only the one who has the lowest triangle, and the last bit of t counts.
+#[test]
+fn nothing_is_excused_in_exact_but_the_exact_hit() {
+    let (mesh, batch) = scene(&mut Rng::with_seed(2));
+    let exact = exact_hits(&mesh, &batch);
+    let mut last = exact.clone();
+    let mut doubled = 0;
+    for (prim, t) in last.prim.iter_mut().zip(&exact.t) {
+        if *prim < 100 && t.is_finite() {
+            *prim = 201 + 2 * *prim;
+            doubled += 1;
+        }
+    }
+    assert!(doubled > 100);
+    let judge = Judge::new(&mesh);
+    let of = Answers::Nearest;
+    let diff = |ours: &Hits, reference: &Hits, random| {
+        let [ours, reference] = [ours, reference].map(Answers::Nearest);
+        Checker::new(&judge, &batch, reference, reference, random, 1).check(
+            Precision::Exact,
+            ours,
+            "",
+        )
+    };
+    let ours_right = diff(&exact, &last, 3000);
+    let part = &ours_right.embree_fast;
+    assert_eq!(
+        (ours_right.wrong(), part.tie, part.differing),
+        (0, doubled, 0)
+    );
+    assert_eq!(ours_right.exact.unwrap().classes.same, 3000);
+    // No random ray is needed to find this.
+    let ours_wrong = diff(&last, &exact, 0);
+    let part = &ours_wrong.embree_robust;
+    assert_eq!((part.ours_wrong, part.tie), (Some(doubled), 0));
+    assert_eq!((ours_wrong.wrong(), total(part)), (doubled, 3000));
+    // The other precisions are excused.
+    let mut checker = Checker::new(&judge, &batch, of(&exact), of(&exact), 0, 1);
+    for precision in [Precision::Fast, Precision::Watertight] {
+        let diff = checker.check(precision, of(&last), "");
+        assert_eq!(
+            (diff.wrong(), diff.embree_fast.tie),
+            (0, doubled),
+            "{precision}"
+        );
+    }
+    // One bit of t, where all agree: the rays that are drawn show it.
+    let mut off = exact.clone();
+    off.t.iter_mut().for_each(|t| *t = t.next_up());
+    let hits = exact.hit_count() as u64;
+    let of_bits = diff(&off, &off, 3000);
+    assert_eq!(of_bits.embree_fast.same, 3000);
+    assert_eq!(
+        (of_bits.wrong(), of_bits.exact.unwrap().classes.t_drift),
+        (hits, Some(hits))
+    );
+}
+
+#[test]
+fn errors_are_counted_for_ours_and_both_modes() {
+    let (mesh, batch) = scene(&mut Rng::with_seed(10));
+    let exact = exact_hits(&mesh, &batch);
+    let (mut lossy, mut off) = (exact.clone(), exact.clone());
+    let hit: Vec<usize> = (0..3000).filter(|&i| exact.prim[i] != MISS).collect();
+    let missed: Vec<usize> = (0..3000).filter(|&i| exact.prim[i] == MISS).collect();
+    for &i in &hit[..40] {
+        (lossy.t[i], lossy.prim[i]) = (f32::INFINITY, MISS);
+    }
+    for &i in &missed[..3] {
+        (lossy.t[i], lossy.prim[i]) = (1.0, 0);
+    }
+    for &i in &hit[40..47] {
+        lossy.prim[i] = (lossy.prim[i] + 1) % 100;
+    }
+    for &i in &hit {
+        off.t[i] = off.t[i].next_up().next_up();
+    }
+    let judge = Judge::new(&mesh);
+    let of = Answers::Nearest;
+    let mut checker = Checker::new(&judge, &batch, of(&lossy), of(&off), 3000, 1);
+    let errors = checker
+        .check(Precision::Fast, of(&exact), "")
+        .errors
+        .unwrap();
+    assert_eq!(
+        (errors.rays, errors.ours.all(), errors.ours.beyond_bounds),
+        (3000, 0, 0)
+    );
+    // Rounded correctly: half a unit at most.
+    let most = errors.ours.t.max_ulps.unwrap();
+    assert!(most > 0.49 && most <= 0.500001, "{most}");
+    let fast = &errors.embree_fast;
+    assert_eq!((fast.wrong, fast.lost, fast.false_hits), (7, 40, 3));
+    assert!(fast.beyond_bounds >= 48 && fast.within_bounds + fast.beyond_bounds == 50);
+    let robust = &errors.embree_robust;
+    assert_eq!(robust.all(), 0);
+    let (p999, most) = (robust.t.p999_ulps.unwrap(), robust.t.max_ulps.unwrap());
+    assert!(
+        p999 > 2.4 && p999 <= most && most <= 2.500001,
+        "{p999} {most}"
+    );
+    assert!(robust.t.p999_relative.unwrap() < 3.0 * f64::from(f32::EPSILON));
+    // Of a part, only that part.
+    let mut checker = Checker::new(&judge, &batch, of(&lossy), of(&off), 100, 1);
+    let errors = checker
+        .check(Precision::Fast, of(&exact), "")
+        .errors
+        .unwrap();
+    assert!(errors.rays == 100 && errors.embree_fast.all() < 20);
+}

@@ -99,7 +99,7 @@ fn cell(method: &str) -> Cell {
         },
         printed_rule_wrong: None,
         embree: Some(EmbreeTimes {
-            mode: Mode::Fast,
+            mode: Some(Mode::Fast),
             best_ms: 2.0,
             best_trace_ms: 1.0,
             build_ms: times(1.0),

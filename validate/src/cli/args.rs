@@ -26,6 +26,7 @@ Examples:
   dacrt run --scenes sibenik,hall --resolution 1024 --rays primary,diffuse-1
   dacrt sweep scripts/sweeps/bins.json
   dacrt table dacrt-run.json --csv
+  dacrt plot errors dacrt-run.json --out errors.svg
   dacrt paper mora2011
   dacrt bench kernels
   dacrt hard
@@ -54,6 +55,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// Print a result file as a table or as CSV
     Table(TableArgs),
+    /// Draw a result file as SVG
+    Plot(PlotArgs),
     /// Measure what a paper prints, and set its figures beside ours
     Paper(PaperArgs),
     /// Measure the inner loops one by one, beside what the machine can do at most
@@ -324,22 +327,56 @@ pub struct MergeArgs {
 #[command(after_help = "\
 Without an option, the table that `dacrt run` printed. --over has a line a batch and a column a
 value: how many times as fast as with the default value, and as afra2012 (`<`, `>`: the 95 %
-interval lies below, above 1). --csv has a line a cell and a column for each key of the result file.
+interval lies below, above 1). --errors has times and counts of wrong answers of ours and of both
+modes of Embree, batches with the most errors of ours first; the more rays `dacrt run --exact-all`
+judged, the more it can tell. --csv has a line a cell and a column for each key of the result file.
 
 Examples:
   dacrt table results/2026-11-22-zen5-1024.json.gz
   dacrt table dacrt-bins.json --over bins
   dacrt table dacrt-run.json --over method
+  dacrt table dacrt-run.json --errors
   dacrt table dacrt-run.json --csv > run.csv")]
 pub struct TableArgs {
     /// Result file, plain or gzip
     pub file: PathBuf,
-    /// Compare the values of this parameter, or `method`
+    /// Compare the values of this parameter, of `precision`, or of `method`
     #[arg(long, value_name = "PARAMETER")]
     pub over: Option<String>,
-    /// Write comma-separated values instead
+    /// Speed against error: times, and answers that are not those of exact arithmetic
     #[arg(long, conflicts_with = "over")]
+    pub errors: bool,
+    /// Write comma-separated values instead
+    #[arg(long, conflicts_with_all = ["over", "errors"])]
     pub csv: bool,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Plot {
+    Errors,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+errors  Nanoseconds a ray against answers that are not those of exact arithmetic, per million rays,
+        both logarithmic: our precisions by the method that is the fastest in each batch, and
+        Embree's modes with their builds; a panel for each ray type. What has no error stands on the
+        line at the bottom. For few errors to be seen, many rays have to be judged: --exact-all.
+
+Examples:
+  dacrt run --scenes hall,soup --precision fast,watertight,exact --exact-all 1000000
+  dacrt plot errors dacrt-run.json --out errors.svg")]
+pub struct PlotArgs {
+    /// What to draw
+    #[arg(value_enum)]
+    pub what: Plot,
+    /// Result files, plain or gzip
+    #[arg(required = true, value_name = "FILES")]
+    pub files: Vec<PathBuf>,
+    /// Where the picture goes: .svg
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
 }
 
 /// A paper with figures to set ours beside.

@@ -12,6 +12,7 @@ mod merge;
 mod paper;
 mod picture;
 mod plan;
+mod plot;
 mod progress;
 mod render;
 mod run;
@@ -57,6 +58,7 @@ pub fn main() -> ExitCode {
         Command::Sweep(args) => sweep::sweep(&args),
         Command::Merge(args) => merge::merge(&args),
         Command::Table(args) => table::table(&args),
+        Command::Plot(args) => plot::plot(&args),
         Command::Paper(args) => paper::paper(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::Render(args) => render::render(&args),

@@ -131,7 +131,7 @@ impl Embree {
             best_total_samples: total.traces.iter().map(|ms| total.build_ms + ms).collect(),
             best_trace_samples: trace.traces.to_vec(),
             times: EmbreeTimes {
-                mode,
+                mode: Some(mode),
                 best_ms: total.total_ms(),
                 best_trace_ms: trace.trace_ms,
                 build_ms,

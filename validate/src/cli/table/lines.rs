@@ -164,7 +164,7 @@ fn label_line(label: &str) -> String {
 }
 
 /// A ratio, and where its interval lies: `1.23 [1.17, 1.27]`, `<` if below 1. 18 columns.
-fn interval(r: Ratio) -> String {
+pub fn interval(r: Ratio) -> String {
     let [low, high] = r.interval;
     // As many digits for all three.
     let digits = match r.ratio.max(high) {

@@ -1,6 +1,7 @@
 //! `dacrt table`: a result file for people, or as CSV.
 
 mod csv;
+mod errors;
 mod lines;
 pub mod over;
 mod report;
@@ -23,6 +24,9 @@ pub fn table(args: &TableArgs) -> anyhow::Result<Verdict> {
         Some(name) => over::one(&document, name)
             .with_context(|| format!("{path}: --over {name}: {}", nothing_over(&document)))?,
         None if args.csv => csv::text(&document)?,
+        None if args.errors => errors::text(&document).with_context(|| {
+            format!("{path}: --errors: its errors were not counted; `dacrt run` counts them")
+        })?,
         None => whole(&document),
     };
     print(&text)?;

@@ -2,7 +2,7 @@
 
 use crate::cli::knobs::plain;
 use crate::cli::text::{WIDTH, columns};
-use dacrt::Method;
+use dacrt::{Method, Precision};
 use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{Cell, CellKey, Document};
 use dacrt_validate::statistics::{Ratio, geometric_mean, paired_ratio};
@@ -33,6 +33,14 @@ pub fn one(document: &Document, name: &str) -> Option<String> {
     text.map(|text| text + LEGEND)
 }
 
+/// What a cell can be seen along: its parameters and its precision.
+fn choices(key: &CellKey) -> Map<String, Value> {
+    let mut choices = key.parameters.clone();
+    choices.remove("variant");
+    choices.insert("precision".to_owned(), key.precision.as_str().into());
+    choices
+}
+
 /// Cells of one method that have the same parameters but for one.
 struct Group<'a> {
     method: &'a str,
@@ -43,8 +51,7 @@ struct Group<'a> {
 fn tables(document: &Document, name: &str) -> Option<String> {
     let mut groups: Vec<Group> = Vec::new();
     for cell in &document.cells {
-        let mut rest = cell.key.parameters.clone();
-        rest.remove("variant");
+        let mut rest = choices(&cell.key);
         if rest.remove(name).is_none() {
             continue;
         }
@@ -74,7 +81,7 @@ fn tables(document: &Document, name: &str) -> Option<String> {
         let with = |batch: &CellKey, value: &Value| {
             let of_batch = |c: &&&Cell| c.key.batch() == batch.batch();
             let mut cells = group.cells.iter().filter(of_batch);
-            cells.find(|c| c.key.parameters[name] == *value).copied()
+            cells.find(|c| choices(&c.key)[name] == *value).copied()
         };
         let against_reference = |batch: &CellKey, column: usize| {
             let ours = with(batch, &values[column])?;
@@ -102,9 +109,20 @@ fn tables(document: &Document, name: &str) -> Option<String> {
     (!texts.is_empty()).then(|| texts.join("\n"))
 }
 
-/// One column for each method, the acceleration ratios of its cells with default parameters.
+/// The tables of all methods, one for each precision.
 fn methods(document: &Document) -> Option<String> {
-    let is_preset = |cell: &&Cell| {
+    let of = |precision: Precision| {
+        let name = precision.name();
+        let cells = document.cells.iter().filter(|c| c.key.precision == name);
+        methods_of(&cells.collect::<Vec<_>>(), precision)
+    };
+    let tables: Vec<String> = Precision::ALL.into_iter().filter_map(of).collect();
+    (!tables.is_empty()).then(|| tables.join("\n"))
+}
+
+/// One column for each method, the acceleration ratios of its cells with default parameters.
+fn methods_of(cells: &[&Cell], precision: Precision) -> Option<String> {
+    let is_preset = |cell: &&&Cell| {
         Method::from_str(&cell.key.method).is_ok_and(|method| {
             let key = CellKey {
                 parameters: own_fields(method, &method.parameters()),
@@ -113,7 +131,7 @@ fn methods(document: &Document) -> Option<String> {
             key.is(&cell.key)
         })
     };
-    let cells: Vec<&Cell> = document.cells.iter().filter(is_preset).collect();
+    let cells: Vec<&Cell> = cells.iter().filter(is_preset).copied().collect();
     let mut names: Vec<String> = Vec::new();
     for cell in &cells {
         if !names.contains(&cell.key.method) && cell.key.method != "afra2012" {
@@ -129,7 +147,10 @@ fn methods(document: &Document) -> Option<String> {
         let cell = cells.find(|c| c.key.method == names[column])?;
         Some(entry(cell, || acceleration(cell)))
     };
-    let heading = "how many times as fast as afra2012\n".to_owned();
+    let heading = match precision {
+        Precision::Fast => "how many times as fast as afra2012\n".to_owned(),
+        _ => format!("{precision}: how many times as fast as afra2012\n"),
+    };
     Some(heading + &table(&cells, "", &names, &ratio))
 }
 
@@ -240,9 +261,9 @@ fn table(cells: &[&Cell], corner: &str, heads: &[String], entries: &Entries) -> 
 fn values(cells: &[&Cell], name: &str) -> Vec<Value> {
     let mut values: Vec<Value> = Vec::new();
     for cell in cells {
-        let value = &cell.key.parameters[name];
-        if !values.contains(value) {
-            values.push(value.clone());
+        let value = choices(&cell.key)[name].clone();
+        if !values.contains(&value) {
+            values.push(value);
         }
     }
     let number = |v: &Value| v.as_f64().unwrap_or(f64::INFINITY);
@@ -253,7 +274,10 @@ fn values(cells: &[&Cell], name: &str) -> Vec<Value> {
 /// The default of the method if it is among the values, else the first.
 fn reference<'a>(method: &str, name: &str, values: &'a [Value]) -> &'a Value {
     let preset = Method::from_str(method).ok();
-    let preset = preset.and_then(|m| own_fields(m, &m.parameters()).remove(name));
+    let preset = match name {
+        "precision" => Some(Precision::default().name().into()),
+        _ => preset.and_then(|m| own_fields(m, &m.parameters()).remove(name)),
+    };
     let place = values.iter().position(|v| Some(v) == preset.as_ref());
     &values[place.unwrap_or(0)]
 }
