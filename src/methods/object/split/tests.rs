@@ -230,7 +230,10 @@ fn depth(divide: &mut Divide, node: &Node, list: List) -> u32 {
     if node.len() <= 1 {
         return node.depth;
     }
-    let [a, b] = divide.split(&mut node.clone(), list).unwrap();
+    let mut node = *node;
+    let Some([a, b]) = divide.split(&mut node, list) else {
+        return node.depth;
+    };
     assert_eq!(a.node.len() + b.node.len(), node.len());
     assert!(a.node.len() > 0 && b.node.len() > 0);
     depth(divide, &a.node, list).max(depth(divide, &b.node, list))
@@ -257,13 +260,16 @@ fn the_depth_is_limited_however_triangles_are_spaced() {
             assert!((MAX_DEPTH..=limit).contains(&depth), "{depth}, {limit}");
         });
     }
+    let in_one_box = |i| {
+        let c = Vec3::new(i as f32 / 1000.0, 0.5, 0.25);
+        Triangle::new(Vec3::ZERO, Vec3::ONE, c)
+    };
+    let different = Mesh::new((0..1000).map(in_one_box).collect());
     let identical = Mesh::new(vec![mesh.triangles()[0]; 1000]);
-    at_root(
-        ObjectParameters::AFRA2012,
-        &identical,
-        &batch(1),
-        |divide, root, list| {
-            assert_eq!(depth(divide, &root, list), 10);
-        },
-    );
+    for (mesh, expected) in [(different, 10), (identical, 0)] {
+        let parameters = ObjectParameters::AFRA2012;
+        at_root(parameters, &mesh, &batch(1), |divide, root, list| {
+            assert_eq!(depth(divide, &root, list), expected);
+        });
+    }
 }
