@@ -370,7 +370,8 @@ unsafe fn two_cells<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
             L::store(to.as_mut_ptr(), v);
         }
         let [exit, near, far] = lanes.map(|v| v[L::N - 1]);
-        (exit, near, far)
+        // Where something is special, near does not overflow.
+        (exit, near.min(f32::MAX * (1.0 - PADDING)), far)
     }
 }
 
