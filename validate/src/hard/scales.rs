@@ -11,8 +11,10 @@ use glam::DVec3;
 pub fn scales(random: &mut Random, rays: usize) -> Vec<Case> {
     let mut triangles = Vec::new();
     let mut spheres = Vec::new();
-    for decade in -6..=6 {
-        let radius = 10f64.powi(decade);
+    for decade in -6i32..=6 {
+        // Not a power of ten by `powi`, whose rounding depends on the platform.
+        let ten = (0..decade.abs()).fold(1.0, |ten, _| 10.0 * ten);
+        let radius = if decade < 0 { 1.0 / ten } else { ten };
         let centre = match decade {
             6 => DVec3::ZERO,
             _ => 2.5 * radius * random.direction(),

@@ -57,7 +57,7 @@ impl Contestant {
 
     fn kernel(self) -> Kernel {
         match self {
-            Contestant::Ours(_) => Kernel::Fast,
+            Contestant::Ours(precision) => Kernel::of(precision),
             Contestant::Embree { robust: false, .. } => Kernel::EmbreeFast,
             Contestant::Embree { robust: true, .. } => Kernel::EmbreeRobust,
         }
