@@ -60,10 +60,9 @@ pub struct Diff {
 }
 
 /// Ours against one reference. Each ray is in one class, but for those not judged. "The bounds" are
-/// those of the rounding of float32 in our kernel; that of precision `exact` has none, so that none of
-/// its rays is `edge` unless the reference's answer is, and `tie` only where ours is the exact one.
-/// `None`: in files from before there was an exact
-/// arbiter.
+/// those of the rounding of float32 in our kernel: in precision `watertight` of t alone, in `exact`
+/// there are none, so that `tie` and `edge` excuse the reference only. `None`: in files from before
+/// there was an exact arbiter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceDiff {
     /// Same triangle and t apart by no more than our bound and the reference's, or no hit in both.

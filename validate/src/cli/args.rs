@@ -147,8 +147,8 @@ Lists are comma-separated. Each combination of scene, resolution, samples, ray t
 parameters and precision is a cell; a parameter that a method lacks makes no cells of it.
 
 fast        float32: near an edge or an end of the interval, rounding may decide
-watertight  no ray passes between two triangles that share an edge (Woop, Benthin and Wald 2013)
-exact       the hits of exact arithmetic, t rounded once; nothing is excused by rounding
+watertight  a ray hits a triangle as in exact arithmetic, so none slips through an edge; t is rounded
+exact       the nearest hit of exact arithmetic, t rounded once; nothing is excused by rounding
 `fast` is set against Embree's default mode, the others against its robust mode; each against
 afra2012 of the same precision.
 

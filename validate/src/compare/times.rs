@@ -345,7 +345,7 @@ fn samples(cell: &Cell) -> &[f64] {
 
 /// Whether both were measured in turns: two cells of a batch may be of two runs that were merged,
 /// but then the times of Embree are not the same to the last digit. (Cells that are set against
-/// different modes of Embree do not count as neighbours: nothing shows that they are.)
+/// different modes of Embree do not count: nothing shows that they took turns.)
 fn took_turns(a: &Cell, b: &Cell) -> bool {
     a.key.batch() == b.key.batch() && a.embree == b.embree
 }
