@@ -156,8 +156,8 @@ impl OneRay {
     }
 
     fn inverse(&self) -> [<Portable as Lanes>::F; 3] {
+        let direction = splat3(self.ray.direction);
         // SAFETY: portable code runs on every processor.
-        splat3(self.ray.direction)
-            .map(|d| unsafe { prepare::inverse::<Portable>(d, self.precision).0 })
+        unsafe { direction.map(|d| prepare::inverse::<Portable>(d, self.precision).0) }
     }
 }

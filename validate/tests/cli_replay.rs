@@ -87,13 +87,7 @@ fn a_ray_of_a_result_file_is_the_one_of_then() {
             assert!(text.contains(word), "no {word:?} in\n{text}");
         }
     }
-    for event in [
-        "kept",
-        "rejected",
-        "leaf",
-        "kept_with_cone",
-        "rejected_with_cone",
-    ] {
+    for event in ["kept", "rejected", "leaf", "terminated"] {
         assert!(seen.contains(event), "{event}: {seen:?}");
     }
 }
@@ -125,6 +119,28 @@ fn a_ray_of_a_scene_needs_no_result_file() {
     for i in 1..6 {
         assert_eq!(alone["answers"][i], first["answers"][i]);
     }
+}
+
+#[test]
+fn rays_are_skipped_and_go_in_cones() {
+    let folder = Folder::new();
+    let line = "replay --scene ./tiny.json --rays primary --resolution 128 --ray 8300";
+    let cones = json(
+        &folder,
+        &format!("{line} --method mora2011-cones --widest-cone 45"),
+        0,
+    );
+    for event in ["kept_with_cone", "rejected_with_cone", "leaf"] {
+        assert!(!of(&cones, event).is_empty(), "{event}");
+    }
+    let sampled = format!("{line} --method nabata2013 --skip 0.2");
+    let skipped = json(&folder, &sampled, 0);
+    assert!(of(&skipped, "skipped")[0]["ratio"].as_f64().unwrap() > 0.2);
+    assert_eq!(skipped["answers"], {
+        let mut answers = cones["answers"].clone();
+        answers[0]["who"] = "nabata2013 fast, in the batch".into();
+        answers
+    });
 }
 
 #[test]
@@ -246,7 +262,7 @@ fn what_cannot_be_replayed_is_refused() {
     );
     refuses(
         "replay out.json --scene ./tiny.json --ray 0",
-        &["3 cells", "--cell"],
+        &["4 cells", "--cell"],
     );
     refuses("replay missing.json --ray 0", &["missing.json"]);
     refuses(

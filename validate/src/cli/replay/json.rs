@@ -5,6 +5,7 @@ use dacrt::{Aabb, Event, Step, Sure, TriangleTest};
 use dacrt_validate::diff::Number;
 use dacrt_validate::npy::ray_floats;
 use dacrt_validate::parameters::own_fields;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Digits of exact t.
@@ -17,13 +18,13 @@ impl Replay {
         let ray = case.ray();
         let floats = ray_floats(&ray);
         let opinions: Vec<Value> = (self.opinions.iter())
-            .map(|o| json!({ "who": o.who, "answer": o.answer, "verdict": o.verdict }))
+            .map(|o| json!({ "who": o.who, "answer": plain(&o.answer), "verdict": plain(&o.verdict) }))
             .collect();
         let hits: Vec<Value> = (self.hits.iter())
             .map(|hit| {
                 let t = hit.t.to_f32();
                 json!({
-                    "prim": hit.prim, "t": hit.t.decimal(DIGITS), "t_float32": Number(t),
+                    "prim": hit.prim, "t": hit.t.decimal(DIGITS), "t_float32": number(t),
                     "t_bits": bits(t),
                 })
             })
@@ -32,7 +33,7 @@ impl Replay {
             "from": case.from,
             "index": case.index,
             "ray_count": case.batch.len(),
-            "ray": floats.map(Number),
+            "ray": floats.map(number),
             "ray_bits": floats.map(bits),
             "valid": ray.is_valid(),
             "any_hit": case.any_hit,
@@ -63,11 +64,11 @@ fn step(step: &Step) -> Value {
     } = *step;
     let mut value = json!({
         "depth": depth,
-        "box": [min.to_array().map(Number), max.to_array().map(Number)],
+        "box": [min.to_array().map(number), max.to_array().map(number)],
         "triangles": triangles,
         "rays": rays,
-        "interval": interval.map(Number),
-        "best": { "t": Number(t), "prim": prim },
+        "interval": interval.map(number),
+        "best": { "t": number(t), "prim": prim },
         "event": match event {
             Event::Kept => "kept",
             Event::Rejected => "rejected",
@@ -80,7 +81,7 @@ fn step(step: &Step) -> Value {
         },
     });
     match event {
-        Event::Skipped { ratio } => value["ratio"] = json!(ratio),
+        Event::Skipped { ratio } => value["ratio"] = number(*ratio),
         Event::Leaf(tests) => value["tests"] = tests.iter().map(test).collect(),
         _ => {}
     }
@@ -88,7 +89,6 @@ fn step(step: &Step) -> Value {
 }
 
 fn test(test: &TriangleTest) -> Value {
-    let number = |x: f32| json!(Number(x));
     json!({
         "prim": test.prim,
         "u": number(test.u),
@@ -98,14 +98,24 @@ fn test(test: &TriangleTest) -> Value {
         "num": number(test.num),
         "den": number(test.den),
         "t": number(test.t),
-        "clip": test.clip.map(Number),
+        "clip": test.clip.map(number),
         "sure": match test.sure {
             Sure::Hit => "hit",
             Sure::Miss => "miss",
             Sure::Open => "open",
         },
-        "exact_t": test.exact.map(Number),
+        "exact_t": test.exact.map(number),
     })
+}
+
+fn number(x: f32) -> Value {
+    plain(&Number(x))
+}
+
+/// With float32 in the fewest digits that tell them apart, which a [`Value`] made directly lacks.
+fn plain(x: &impl Serialize) -> Value {
+    let text = serde_json::to_string(x).expect("numbers and words");
+    serde_json::from_str(&text).expect("JSON that was just made")
 }
 
 fn bits(x: f32) -> String {

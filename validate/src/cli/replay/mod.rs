@@ -96,7 +96,11 @@ impl Replay {
             let mut answers = Answers::room(1, any);
             let mut workspace = tracer.workspace(1, mesh.len());
             answers.trace(&tracer, mesh, &alone, &mut workspace);
-            asked.push((format!("{precision}, alone"), Kernel::of(precision), answers));
+            asked.push((
+                format!("{precision}, alone"),
+                Kernel::of(precision),
+                answers,
+            ));
         }
         let ours = asked.len();
         let device = Device::new(1)?;

@@ -78,11 +78,15 @@ impl Replay {
         let leaves = leaves.count();
         let boxes = self.steps.len() - leaves;
         let mut text = format!(
-            "\npath: {} {}, {} and {} leaves\n",
+            "\npath: {} {}, {} and {}\n",
             case.method,
             case.precision,
             counted(boxes as u64, "step"),
-            leaves
+            if leaves == 1 {
+                "1 leaf".to_owned()
+            } else {
+                format!("{leaves} leaves")
+            }
         );
         let mut rows = vec![];
         let head = [
