@@ -32,7 +32,7 @@ fn watching_changes_nothing_and_tells_how_the_hit_was_found() {
         for parameters in presets_and_finest() {
             let tracer = Tracer::new(parameters).with_seed(3);
             let (expected, trace) = case.nearest(tracer);
-            for ray in (0..2000).step_by(97) {
+            for ray in (0..2000).step_by(199) {
                 let mut told = Vec::new();
                 for isa in [Isa::best(), Isa::Portable] {
                     let tracer = tracer.with_isa(isa);
