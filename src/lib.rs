@@ -65,7 +65,7 @@ mod simd;
 pub mod workloads;
 
 pub use geometry::{Aabb, Mesh, Triangle};
-pub use kernels::PADDING;
+pub use kernels::{PADDING, Sure, TriangleTest};
 pub use methods::*;
 pub use rays::{Batch, Hits, MISS, Ray};
 pub use simd::{Isa, UnknownIsa};

@@ -181,6 +181,8 @@ pub(super) struct Said<L: Lanes> {
     /// they have.
     pub open: L::M,
     pub t: L::F,
+    /// Bound on the errors of U, V and |den| − (U + V).
+    pub error: L::F,
 }
 
 /// What float32 is sure of. No interval is tested but that t is positive.
@@ -241,6 +243,7 @@ pub(super) unsafe fn say<L: Lanes, const SHARED: bool>(
             sure,
             open: L::and_not(yes, sure),
             t,
+            error,
         }
     }
 }

@@ -56,7 +56,7 @@ impl<L: Lanes> Record<L> for Exact {
         let prim = of.chunk.prim[of.j];
         // SAFETY: as promised.
         unsafe {
-            let Said { sure, open, t } = certain::say::<L, SHARED>(of, v, margin, best.t);
+            let Said { sure, open, t, .. } = certain::say::<L, SHARED>(of, v, margin, best.t);
             let earliest = L::mul(t, L::splat(1.0 - WITHIN));
             let latest = L::mul(t, L::splat(LATER));
             let too_early = L::and(sure, L::le(latest, v.tmin));

@@ -64,6 +64,22 @@ impl RayRecords {
         }
     }
 
+    /// Best t so far, and its triangle (none for any-hit rays).
+    ///
+    /// # Safety
+    /// It is the number of a ray of the batch.
+    pub unsafe fn best(&self, ray: usize) -> (f32, u32) {
+        // SAFETY: as promised.
+        let (slab, directed) = unsafe {
+            let slab = *self.slabs.add(self.place(ray));
+            (slab, *self.directions.add(ray))
+        };
+        match self.any_hit {
+            true => (slab[3], MISS),
+            false => (slab[3], directed[3].to_bits()),
+        }
+    }
+
     /// Place of the first record of a ray.
     #[inline(always)]
     fn place(&self, ray: usize) -> usize {

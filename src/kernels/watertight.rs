@@ -47,7 +47,7 @@ impl<L: Lanes> Record<L> for Watertight {
         let prim = of.chunk.prim[of.j];
         // SAFETY: as promised.
         unsafe {
-            let Said { sure, open, t } = certain::say::<L, SHARED>(of, v, margin, best.t);
+            let Said { sure, open, t, .. } = certain::say::<L, SHARED>(of, v, margin, best.t);
             let some = L::or(sure, open);
             if L::bits(some) == 0 {
                 return;

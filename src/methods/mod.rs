@@ -9,6 +9,7 @@ mod parameters;
 mod precision;
 mod space;
 mod tracer;
+mod watch;
 mod workspace;
 
 pub use counters::Counters;
@@ -19,4 +20,5 @@ pub use parameters::{BadParameter, Parameters};
 pub use precision::{Precision, UnknownPrecision};
 pub use space::{SpaceParameters, Variant};
 pub use tracer::Tracer;
+pub use watch::{Event, Step};
 pub use workspace::Workspace;

@@ -1,10 +1,11 @@
 //! The face of the engine: a method, ready to trace batches.
 
 use super::job::{Answer, Job, Trace};
+use super::watch::{Step, Watch};
 use super::workspace::Memory;
 use super::{Parameters, Precision, Workspace, object, space};
 use crate::geometry::Mesh;
-use crate::kernels::Kernels;
+use crate::kernels::{Kernels, OneRay};
 use crate::rays::{Batch, Hits};
 use crate::simd::Isa;
 
@@ -100,7 +101,8 @@ impl Tracer {
     ) -> Trace {
         let lengths = [hits.t.len(), hits.prim.len()];
         assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
-        self.trace(mesh, batch, workspace, Answer::Nearest(hits))
+        self.trace(mesh, batch, workspace, Answer::Nearest(hits), None)
+            .0
     }
 
     /// Finds for every ray whether it hits anything: 1 if it does, 0 if not.
@@ -118,7 +120,43 @@ impl Tracer {
         occluded: &mut [u8],
     ) -> Trace {
         assert_eq!(occluded.len(), batch.len(), "one byte a ray");
-        self.trace(mesh, batch, workspace, Answer::Any(occluded))
+        self.trace(mesh, batch, workspace, Answer::Any(occluded), None)
+            .0
+    }
+
+    /// As [`Tracer::nearest`], and what becomes of one ray, step by step; no step for an invalid ray.
+    ///
+    /// Looks for the ray in the list of each node: up to twice the time. Allocates the steps.
+    ///
+    /// # Panics
+    /// As [`Tracer::nearest`], and if there is no such ray.
+    pub fn watch_nearest(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        hits: &mut Hits,
+        ray: usize,
+    ) -> (Trace, Vec<Step>) {
+        let lengths = [hits.t.len(), hits.prim.len()];
+        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
+        self.trace(mesh, batch, workspace, Answer::Nearest(hits), Some(ray))
+    }
+
+    /// As [`Tracer::any`], and what becomes of one ray; see [`Tracer::watch_nearest`].
+    ///
+    /// # Panics
+    /// As [`Tracer::any`], and if there is no such ray.
+    pub fn watch_any(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        occluded: &mut [u8],
+        ray: usize,
+    ) -> (Trace, Vec<Step>) {
+        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
+        self.trace(mesh, batch, workspace, Answer::Any(occluded), Some(ray))
     }
 
     fn trace(
@@ -127,7 +165,8 @@ impl Tracer {
         batch: &Batch,
         workspace: &mut Workspace,
         answer: Answer,
-    ) -> Trace {
+        watched: Option<usize>,
+    ) -> (Trace, Vec<Step>) {
         let n = batch.len();
         let lengths = batch
             .origin
@@ -153,12 +192,25 @@ impl Tracer {
             seed: self.seed,
             audit: self.audit,
         };
-        match (&self.parameters, memory) {
+        let mut watch = watched.map(|ray| Watch {
+            id: ray as u32,
+            ray: OneRay {
+                ray: batch.ray(ray),
+                shared_origin: job.shared_origin,
+                least_tmin: 0.0,
+                precision: self.precision,
+            },
+            steps: Vec::new(),
+        });
+        let trace = match (&self.parameters, memory) {
             (Parameters::Object(p), Memory::Object(memory)) => {
-                object::trace(&job, p, memory, answer)
+                object::trace(&job, p, memory, answer, watch.as_mut())
             }
-            (Parameters::Space(p), Memory::Space(memory)) => space::trace(&job, p, memory, answer),
+            (Parameters::Space(p), Memory::Space(memory)) => {
+                space::trace(&job, p, memory, answer, watch.as_mut())
+            }
             _ => panic!("the workspace is for another kind of method"),
-        }
+        };
+        (trace, watch.map_or(Vec::new(), |watch| watch.steps))
     }
 }

@@ -5,6 +5,7 @@ use super::split::{Candidates, Child, Node};
 use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{BLOCK, Item, Keep, Kernels, List, Rays, Samples};
 use crate::methods::Counters;
+use crate::methods::watch::Watch;
 use crate::simd::MAX_LANES;
 
 /// Lists up to this length are copied without a probe: they are in the nearest cache anyway.
@@ -27,6 +28,8 @@ pub(super) struct Divide<'a> {
     /// Records that lists may use in all.
     pub capacity: usize,
     pub counters: Counters,
+    /// Who watches a ray, if somebody does.
+    pub watch: Option<&'a mut Watch>,
 }
 
 impl Divide<'_> {
@@ -41,6 +44,7 @@ impl Divide<'_> {
         };
         self.counters.peak_list = active.len as u64;
         if root.from < root.to && active.len > 0 {
+            self.watch_node(&root, active, active, None);
             self.divide(&root, active, active.len.next_multiple_of(MAX_LANES));
         }
     }
@@ -81,9 +85,11 @@ impl Divide<'_> {
                 let (kept, all) = self.count(active, &child.node.bounds, 1);
                 self.counters.skipped_rays_that_miss += (all - kept) as u64;
             }
+            self.watch_node(&child.node, active, active, child.ratio);
             self.divide(&child.node, active, top);
         } else {
             let (kept, top) = self.filter(active, &child.node.bounds, top);
+            self.watch_node(&child.node, active, kept, None);
             if kept.len > 0 {
                 self.divide(&child.node, kept, top);
             }
@@ -149,6 +155,7 @@ impl Divide<'_> {
     fn naive(&mut self, node: &Node, active: List) {
         self.counters.leaves += 1;
         self.counters.ray_triangle += (active.len * node.len()) as u64;
+        self.watch_leaf(node, active);
         let items = &self.items[node.from..node.to];
         // SAFETY: the processor was checked; items are of the mesh.
         unsafe { (self.kernels.naive)(&self.rays, active, self.triangles, items) }

@@ -5,6 +5,7 @@ mod memory;
 mod parameters;
 mod split;
 mod trace;
+mod watched;
 
 pub(super) use memory::Memory;
 pub use parameters::{Axes, Cost, Draws, ObjectParameters, OneRay, Order};

@@ -6,6 +6,7 @@ use crate::geometry::Aabb;
 use crate::kernels::{List, Rays, Tmax};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
+use crate::methods::watch::Watch;
 use crate::rays::MISS;
 use crate::rays::active::ActiveRays;
 
@@ -15,6 +16,7 @@ pub(in crate::methods) fn trace(
     parameters: &ObjectParameters,
     memory: &mut Memory,
     mut answer: Answer,
+    mut watch: Option<&mut Watch>,
 ) -> Trace {
     let (n, kernels) = (job.batch.len(), job.kernels);
     let (t, prim) = match &mut answer {
@@ -48,6 +50,9 @@ pub(in crate::methods) fn trace(
     // SAFETY: as above.
     let (items, bounds) = unsafe { (kernels.prepare_triangles)(job.mesh, items) };
     rays.scene = bounds.bounds();
+    if let Some(watch) = &mut watch {
+        watch.ray.least_tmin = rays.least_tmin;
+    }
 
     let mut divide = Divide {
         kernels,
@@ -62,6 +67,7 @@ pub(in crate::methods) fn trace(
         samples: &mut memory.samples,
         capacity: ActiveRays::capacity(memory.active.rays()),
         counters: Counters::default(),
+        watch,
     };
     let root = List {
         start: 0,

@@ -11,7 +11,7 @@ const MAX_DEPTH: u32 = 128;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
     pub bounds: Aabb,
-    depth: u32,
+    pub depth: u32,
     /// What splitting has cost on the way here.
     pub growth: Growth,
 }

@@ -8,6 +8,7 @@ use crate::kernels::{
     TriangleLists,
 };
 use crate::methods::Counters;
+use crate::methods::watch::Watch;
 
 /// One trace under way.
 ///
@@ -29,6 +30,8 @@ pub(super) struct Divide<'a> {
     /// terminatedConePivot.
     pub terminated_cones: usize,
     pub counters: Counters,
+    /// Who watches a ray, if somebody does.
+    pub watch: Option<&'a mut Watch>,
 }
 
 /// Which half of a cell comes first.
@@ -73,9 +76,9 @@ impl Divide<'_> {
                 from: self.terminated,
                 to: part.rays,
             };
-            if let Some((half, inside)) =
-                self.enter(cell, side, part, all, Divide::filter, &mut first_share)
-            {
+            let entered = self.enter(cell, side, part, all, Divide::filter, &mut first_share);
+            self.watch_half(&cell.half(side), part.triangles, all, &entered);
+            if let Some((half, inside)) = entered {
                 self.divide(&half, inside);
             }
         }
@@ -143,6 +146,7 @@ impl Divide<'_> {
         };
         self.counters.leaves += 1;
         self.counters.ray_triangle += (list.len() * part.triangles) as u64;
+        self.watch_leaf(cell, part.triangles, list);
         let triangles = Listed {
             lists: &self.lists,
             triangles: self.triangles,
@@ -158,6 +162,8 @@ impl Divide<'_> {
         let pivot = unsafe {
             (self.kernels.naive_indexed)(&self.rays, list, triangles, &cell.bounds, when)
         };
+        let done = Range { to: pivot, ..list };
+        self.watch_end(cell, part.triangles, done);
         self.counters.terminated_rays += (pivot - self.terminated) as u64;
         self.terminated = pivot;
     }

@@ -9,6 +9,7 @@ mod octants;
 mod packets;
 mod parameters;
 mod trace;
+mod watched;
 
 pub(super) use memory::Memory;
 pub use parameters::{SpaceParameters, Variant};

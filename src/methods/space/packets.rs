@@ -25,14 +25,16 @@ impl Divide<'_> {
                 from: self.terminated_cones,
                 to: part.rays,
             };
-            if let Some((half, inside)) = self.enter(
+            let entered = self.enter(
                 cell,
                 side,
                 part,
                 all,
                 Divide::filter_packets,
                 &mut first_share,
-            ) {
+            );
+            self.watch_cones(&cell.half(side), part.triangles, all, &entered);
+            if let Some((half, inside)) = entered {
                 self.divide_packets(&half, inside);
             }
         }

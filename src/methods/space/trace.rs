@@ -6,6 +6,7 @@ use super::{Memory, SpaceParameters, Variant};
 use crate::kernels::{Directions, Range};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
+use crate::methods::watch::Watch;
 use crate::rays::MISS;
 
 /// Traces a batch by splitting space.
@@ -14,6 +15,7 @@ pub(in crate::methods) fn trace(
     parameters: &SpaceParameters,
     memory: &mut Memory,
     answer: Answer,
+    mut watch: Option<&mut Watch>,
 ) -> Trace {
     let (batch, kernels) = (job.batch, job.kernels);
     let variant = match job.shared_origin {
@@ -35,6 +37,9 @@ pub(in crate::methods) fn trace(
     rays.one_tmin = of_rays.one_tmin;
     rays.tmax.one = of_rays.one_tmax;
     rays.scene = of_triangles.bounds;
+    if let Some(watch) = &mut watch {
+        watch.ray.least_tmin = rays.least_tmin;
+    }
 
     let mut divide = Divide {
         kernels,
@@ -52,6 +57,7 @@ pub(in crate::methods) fn trace(
         terminated: 0,
         terminated_cones: 0,
         counters: Counters::default(),
+        watch,
     };
     let all = Part {
         rays: of_rays.valid,
@@ -60,6 +66,14 @@ pub(in crate::methods) fn trace(
     };
     if all.rays > 0 && all.triangles > 0 {
         let root = Cell::root(of_triangles.bounds);
+        let list = Range {
+            from: 0,
+            to: all.rays,
+        };
+        let filters_root = variant == Variant::Random && !parameters.octants;
+        if !filters_root {
+            divide.watch_cell(&root, all.triangles, list, all.rays);
+        }
         match variant {
             Variant::Basic => divide.divide(&root, all),
             Variant::Cones => {
@@ -78,11 +92,8 @@ pub(in crate::methods) fn trace(
             }
             Variant::Random if parameters.octants => divide.divide_octants(&root, all),
             Variant::Random => {
-                let list = Range {
-                    from: 0,
-                    to: all.rays,
-                };
                 let (rays, directions) = divide.filter_rays(&root, list);
+                divide.watch_cell(&root, all.triangles, list, rays);
                 if rays > 0 {
                     let part = Part {
                         rays,

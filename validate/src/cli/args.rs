@@ -2,6 +2,7 @@
 //! [`super::plan`] makes sense of it.
 
 use super::knobs::KnobLists;
+use super::replay::ReplayArgs;
 use super::shard::Shard;
 use super::size::{Resolution, Spp};
 use clap::builder::PossibleValuesParser;
@@ -32,6 +33,7 @@ Examples:
   dacrt hard
   dacrt render hall --what shaded,boxes
   dacrt trace --mesh bunny.obj --rays rays.npy --method nabata2013 --out hits.npz
+  dacrt replay dacrt-run.json --cell hall/primary/512x512/1/afra2012 --ray 4711
   dacrt compare reference.json new.json
   dacrt scenes
 
@@ -67,6 +69,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Trace your own rays through your own mesh
     Trace(TraceArgs),
+    /// Show what becomes of one ray, step by step, and who is right about it
+    Replay(ReplayArgs),
     /// Make pictures of a scene
     Render(RenderArgs),
     /// List the scenes and where their meshes are
@@ -172,7 +176,7 @@ of this method with its 95 % bootstrap interval, marked `<` if all of it is belo
 is the best time of Embree over that of this method. `diff` is two counts of rays: those for which
 our hit is wrong, by exact arithmetic and by more than the precision allows, and all those on
 which our hits differ from either Embree mode. The first has to be 0: else the cell has no times,
-the result file has the rays (`dacrt trace --help` says how to trace them again), and the exit
+the result file has the rays (`dacrt replay` shows one, the command is printed), and the exit
 code is 1. Exact arithmetic judges every ray on which an answer differs, up to 1,000,000 a cell
 (more count as wrong), and --exact-all others.")]
 pub struct RunArgs {

@@ -269,6 +269,11 @@ impl KnobLists {
             .filter(move |(name, _)| method.has(&field(name)))
     }
 
+    /// Whether no parameter was typed.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// All combinations of the values that `method` has parameters for, the first parameter
     /// changing slowest; its defaults for the rest.
     pub fn grid(&self, method: Method) -> anyhow::Result<Vec<Parameters>> {

@@ -15,6 +15,7 @@ mod plan;
 mod plot;
 mod progress;
 mod render;
+mod replay;
 mod run;
 mod scenes;
 mod schema;
@@ -64,6 +65,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::render(&args),
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Schema(args) => schema::schema(&args),
+        Command::Replay(args) => replay::replay(&args),
         Command::Trace(args) => trace::trace(&args),
         Command::Hard(args) => hard::hard(&args),
         Command::Compare(args) => compare::compare(&args),

@@ -381,7 +381,8 @@ pub fn precision(name: &str) -> anyhow::Result<Precision> {
     Precision::from_str(name).map_err(|_| anyhow::anyhow!(no_such("precision", name, &names)))
 }
 
-fn ray_type(name: &str) -> anyhow::Result<RayType> {
+/// A ray type by its name.
+pub fn ray_type(name: &str) -> anyhow::Result<RayType> {
     let known = RayType::ALL.map(|r| r.to_string());
     RayType::from_str(name).map_err(|_| anyhow::anyhow!(no_such("ray type", name, &known)))
 }

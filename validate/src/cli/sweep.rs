@@ -47,7 +47,7 @@ pub fn sweep(args: &SweepArgs) -> anyhow::Result<Verdict> {
     if resumed > 0 {
         text += &format!(" ({} of an earlier run)", counted(resumed as u64, "cell"));
     }
-    print(&(text + "\n" + findings.text()))?;
+    print(&(text + "\n" + &findings.text(&document, &plan)))?;
     Ok(findings.verdict())
 }
 

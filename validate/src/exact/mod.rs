@@ -11,10 +11,12 @@
 
 pub mod distance;
 pub mod dyadic;
+mod every;
 mod nearest;
 mod pair;
 mod search;
 
+pub use every::every_hit;
 pub(crate) use nearest::can_be_hit;
 pub use nearest::{Arbiter, Found, Nearest};
 pub use pair::{has_area, meet};

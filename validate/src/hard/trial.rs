@@ -247,7 +247,9 @@ impl Outcome {
                 } else if ours.is_some() && promised && verdict.is_wrong() {
                     found.push((name, What::BeyondBounds, answer, verdict));
                 }
-                if answered.differs[i] && (promised || ours == Some(Precision::Exact)) {
+                let excused = ours == Some(Precision::Fast)
+                    && (!promised || is_grazing(&ray, judge.mesh(), answer));
+                if answered.differs[i] && !excused {
                     found.push((name, What::MethodsDiffer, answer, verdict));
                 }
             }
@@ -343,6 +345,19 @@ fn kind(mesh: &Mesh, ray: &Ray, answer: Answer, exact: Answer) -> Error {
         Some(_) if exact != Answer::Miss => Error::Wrong,
         _ => Error::FalseHit,
     }
+}
+
+/// Whether a ray is so near to the plane of the triangle that it is said to hit (|cos| < 2⁻¹⁰ to the
+/// normal) that no margin covers the error of t in `fast`: Mora's methods hold the triangle itself
+/// against cells, and may lose the hit.
+fn is_grazing(ray: &Ray, mesh: &Mesh, answer: Answer) -> bool {
+    let Answer::Hit { prim, .. } = answer else {
+        return false;
+    };
+    let triangle = &mesh.triangles()[prim as usize];
+    let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|p| p.as_dvec3());
+    let (normal, d) = ((b - a).cross(c - a), ray.direction.as_dvec3());
+    normal.dot(d).abs() < normal.length() * d.length() / 1024.0
 }
 
 /// Whether two answers differ in any bit.

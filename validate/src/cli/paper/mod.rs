@@ -35,13 +35,15 @@ pub fn paper(args: &PaperArgs) -> anyhow::Result<Verdict> {
     let plan = plan(args, film, &mut figure)?;
     let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
-    let (_, findings) = run::execute(&plan, &progress, &mut |_, _, cells, _| {
+    let (document, findings) = run::execute(&plan, &progress, &mut |_, _, cells, _| {
         cells.iter().for_each(|cell| figure.take(cell));
         Ok(())
     })?;
     progress.finish();
     let results = format!("\nresults: {}\n", plan.out.display());
-    print(&(figure.text([film.width(), film.height()]) + &results + findings.text()))?;
+    print(
+        &(figure.text([film.width(), film.height()]) + &results + &findings.text(&document, &plan)),
+    )?;
     Ok(findings.verdict())
 }
 

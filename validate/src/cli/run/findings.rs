@@ -2,9 +2,37 @@
 
 use super::cells::BatchKey;
 use crate::cli::Verdict;
+use crate::cli::plan::RunPlan;
 use crate::cli::progress::Progress;
+use crate::cli::source::scene_folder;
+use dacrt_validate::compare::Names;
 use dacrt_validate::diff;
-use dacrt_validate::results::Cell;
+use dacrt_validate::results::{Cell, Document};
+
+/// Cells of which a wrong ray is named.
+const MOST_REPLAYS: usize = 5;
+
+/// The command that shows a ray.
+fn replay(plan: &RunPlan, scene: &str, cell: &str, ray: u32) -> String {
+    let mut command = format!(
+        "  dacrt replay {} --cell '{cell}' --ray {ray}",
+        plan.out.display()
+    );
+    let source = (plan.scenes.iter().map(|job| &job.source)).find(|s| s.name() == scene);
+    if let Some(source) = source.filter(|s| s.json.parent() != Some(&scene_folder())) {
+        command += &format!(" --scene {}", source.json.display());
+    }
+    let folders: Vec<_> = plan
+        .mesh_folders
+        .iter()
+        .map(|f| f.to_string_lossy())
+        .collect();
+    let folders = folders.join(":");
+    if std::env::var("DACRT_MESHES").unwrap_or_default() != folders {
+        command += &format!(" --meshes {folders}");
+    }
+    command + "\n"
+}
 
 /// What was found so far.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,7 +74,7 @@ impl Findings {
                 self.wrong = true;
                 progress.warn(&format!(
                     "{scene} {rays} {method}: {} wrong of {} rays; the offending rays are in the \
-                     result file (`dacrt trace --help` says how to trace them again)",
+                     result file",
                     cell.diff.wrong(),
                     cell.ray_count
                 ));
@@ -69,15 +97,25 @@ impl Findings {
         }
     }
 
-    /// The last words of a command; empty if all is well.
-    pub fn text(&self) -> &'static str {
-        match (self.wrong, self.by_printed_rule) {
+    /// The last words of a command, with those that show a wrong hit; empty if all is well.
+    pub fn text(&self, document: &Document, plan: &RunPlan) -> String {
+        let text = match (self.wrong, self.by_printed_rule) {
             (true, _) => "FINDING: there are wrong hits, see the warnings\n",
             (false, true) => {
                 "FINDING: there are wrong hits, all by the printed rule of termination: this is \
                  what\n--terminate-as-printed true is for\n"
             }
-            (false, false) => "",
+            (false, false) => return String::new(),
+        };
+        let replays = document.cells.iter().filter_map(|cell| {
+            let offender = cell.diff.offending.first()?;
+            let name = Names::of(&[document]).name(&cell.key);
+            Some(replay(plan, &cell.key.scene, &name, offender.index))
+        });
+        let replays: String = replays.take(MOST_REPLAYS).collect();
+        match replays.is_empty() {
+            true => text.to_owned(),
+            false => format!("a wrong ray, step by step:\n{replays}{text}"),
         }
     }
 }

@@ -14,7 +14,6 @@ use super::source::View;
 use super::table::Report;
 use super::text::print;
 use super::{Verdict, command_line};
-use answers::Answers;
 use anyhow::ensure;
 use cells::enter_times;
 use contest::{Entrant, contest};
@@ -29,6 +28,7 @@ use dacrt_validate::machine::{Machine, Software};
 use dacrt_validate::results::{Cell, CellKey, Document, SCHEMA};
 use reference::Reference;
 
+pub use answers::Answers;
 pub use cells::BatchKey;
 pub use findings::Findings;
 
@@ -39,13 +39,13 @@ pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {
     plan.warnings.iter().for_each(|w| progress.warn(w));
     let first = plan.rounds().next().map(|round| round.film);
     let mut report = Report::new(plan.rounds().any(|round| Some(round.film) != first));
-    let (_, findings) = execute(&plan, &progress, &mut |_, round, cells, _| {
+    let (document, findings) = execute(&plan, &progress, &mut |_, round, cells, _| {
         let labels: Vec<String> = round.contestants.iter().map(|c| c.label.clone()).collect();
         progress.print(&report.section(cells, &labels))
     })?;
     progress.finish();
     let results = format!("\nresults: {}\n", plan.out.display());
-    print(&(report.end() + &results + findings.text()))?;
+    print(&(report.end() + &results + &findings.text(&document, &plan)))?;
     Ok(findings.verdict())
 }
 
