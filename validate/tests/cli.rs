@@ -9,7 +9,7 @@ use std::path::Path;
 fn help_is_there_for_every_command() {
     let folder = Folder::new();
     for command in [
-        "", "run", "paper", "bench", "trace", "render", "scenes", "env",
+        "", "run", "paper", "bench", "trace", "replay", "render", "scenes", "env",
     ] {
         let help = folder.dacrt(&format!("{command} --help"));
         let text = help.exits(0).stdout();

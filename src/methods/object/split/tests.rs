@@ -81,6 +81,7 @@ fn at_root(
         samples: &mut memory.samples,
         capacity: ActiveRays::capacity(batch.len()),
         counters: Counters::default(),
+        watch: None,
     };
     let root = Node {
         bounds: bounds.bounds(),
