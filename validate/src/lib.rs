@@ -7,6 +7,7 @@ pub mod diff;
 pub mod embree;
 pub mod exact;
 pub mod hash;
+pub mod ingredients;
 pub mod json_float;
 pub mod judge;
 pub mod kernels;

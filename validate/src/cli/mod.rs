@@ -6,6 +6,7 @@ mod color;
 mod compare;
 mod engine;
 mod env;
+mod ingredients;
 mod knobs;
 mod merge;
 mod paper;
