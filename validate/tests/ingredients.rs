@@ -181,10 +181,12 @@ fn errors_are_those_that_each_ingredient_is_known_for() {
         }
         let exact = of("exact", true).ulps.clone().unwrap();
         assert!(exact.max <= 0.5, "{}: {exact:?}", set.name);
-        // A plane of padding is worth something, and ours rejects no hit.
+        // Ours rejects no hit. Where boxes are flat, those without padding do.
         let boxes = &set.box_tests;
         assert_eq!(boxes[0].exact_t_outside, 0, "{}: {:?}", set.name, boxes[0]);
-        assert!(boxes[1].exact_t_outside > 0, "{}: {:?}", set.name, boxes[1]);
+        if set.name.starts_with("flat") {
+            assert!(boxes[1].exact_t_outside > 0, "{}: {:?}", set.name, boxes[1]);
+        }
         if set.name.starts_with("far") {
             let p999 = |name| of(name, false).ulps.clone().unwrap().p999;
             assert!(p999("e2·q / N·d") > 20.0 * p999("fast"), "{}", set.name);

@@ -92,6 +92,8 @@ struct Kind {
     /// Where the triangle is moved; the ray stays.
     away: DVec3,
     at_edges: bool,
+    /// Whether the triangle is in a plane of two axes, so that its box is flat.
+    flat: bool,
 }
 
 const PLAIN: Kind = Kind {
@@ -100,15 +102,21 @@ const PLAIN: Kind = Kind {
     flattest: 0.0,
     away: DVec3::ZERO,
     at_edges: false,
+    flat: false,
 };
 
 /// Where Embree's own tests of watertightness put things.
 const FAR: DVec3 = DVec3::new(148_376.0, 1234.0, -223_423.0);
 
-const KINDS: [Kind; 5] = [
+const KINDS: [Kind; 6] = [
     Kind {
         name: "at edges and corners",
         at_edges: true,
+        ..PLAIN
+    },
+    Kind {
+        name: "flat boxes",
+        flat: true,
         ..PLAIN
     },
     Kind {
@@ -156,7 +164,13 @@ fn pair(kind: &Kind, seed: u64, i: u64) -> (Ray, Triangle) {
     let third = a
         .lerp(b, unit(19))
         .lerp(third, 10f64.powf(kind.thinnest * unit(20)));
-    let rounded = |v: DVec3| (v + kind.away).as_vec3();
+    let axis = number(29) as usize % 3;
+    let rounded = |mut v: DVec3| {
+        if kind.flat {
+            v[axis] = a[axis];
+        }
+        (v + kind.away).as_vec3()
+    };
     let triangle = Triangle::new(rounded(a), rounded(b), rounded(third));
     let [a, b, c] = corners(&triangle).map(|v| v.as_dvec3());
 
