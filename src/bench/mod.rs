@@ -5,6 +5,7 @@
 //! pass reorders or changes, [`Bench::reset`] puts back, outside of the time: so every pass does the
 //! same work in the same order.
 
+pub mod ingredients;
 mod peak;
 mod rays;
 mod triangles;

@@ -293,9 +293,23 @@ struct CopiedTriangles<const SHARED: bool> {
     rays: Copied,
     mesh: Mesh,
     items: Vec<Item>,
+    precision: Precision,
+    scene: Aabb,
 }
 
 pub(super) fn copied_triangles<const SHARED: bool>(bytes: usize) -> Bench {
+    in_precision::<SHARED>(bytes, Precision::Fast)
+}
+
+pub(super) fn watertight_triangles(bytes: usize) -> Bench {
+    in_precision::<false>(bytes, Precision::Watertight)
+}
+
+pub(super) fn exact_triangles(bytes: usize) -> Bench {
+    in_precision::<false>(bytes, Precision::Exact)
+}
+
+fn in_precision<const SHARED: bool>(bytes: usize, precision: Precision) -> Bench {
     // With t, direction and tmin.
     let touched = if SHARED { 12 } else { 24 } + 4 + 4 + 16;
     let mesh = mesh(LISTS * TRIANGLES);
@@ -304,7 +318,9 @@ pub(super) fn copied_triangles<const SHARED: bool>(bytes: usize) -> Bench {
         work: Box::new(CopiedTriangles::<SHARED> {
             rays: Copied::new(whole_lists(bytes / touched), SHARED),
             items: mesh.triangles().iter().enumerate().map(item).collect(),
+            scene: mesh.bounds(),
             mesh,
+            precision,
         }),
         bytes_per_test: touched as f64 / TRIANGLES as f64,
     }
@@ -316,7 +332,11 @@ impl<const SHARED: bool> Work for CopiedTriangles<SHARED> {
     }
 
     unsafe fn run(&mut self, kernels: &Kernels) -> usize {
-        let rays = self.rays.pointers(SHARED);
+        let rays = Rays {
+            precision: self.precision,
+            scene: self.scene,
+            ..self.rays.pointers(SHARED)
+        };
         let len = self.rays.batch.len();
         for (i, start) in (0..len).step_by(RAYS).enumerate() {
             let list = List { start, len: RAYS };
@@ -471,6 +491,8 @@ mod tests {
                 .map(|(i, t)| Item::new(t, i))
                 .collect(),
             mesh: mesh(LISTS * TRIANGLES),
+            precision: Precision::Fast,
+            scene: CUBE,
         };
         // SAFETY: the processor has what is best.
         unsafe { bench.run(best()) };

@@ -54,6 +54,7 @@ impl Meeting {
 
     /// t in float64, and how far at most it is from the exact t: infinitely far, and t any float64
     /// or NaN, where float64 does not tell.
+    #[cfg(test)]
     pub fn t(&self) -> (f64, f64) {
         (self.t.value, self.t.error)
     }

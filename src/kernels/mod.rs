@@ -34,6 +34,7 @@ pub(crate) use records::{Directions, Done, RAYS_AHEAD, Range, RayRecords};
 pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_left};
 pub(crate) use shells::Kernels;
 pub use slab::PADDING;
+pub(crate) use triangle::{dot, sub3};
 
 use crate::geometry::Aabb;
 use crate::methods::Precision;

@@ -263,7 +263,7 @@ unsafe fn store3<L: Lanes>(to: &mut [Numbers; 3], at: usize, v: &[L::F; 3]) {
 /// # Safety
 /// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(super) unsafe fn sub3<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> [L::F; 3] {
+pub(crate) unsafe fn sub3<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> [L::F; 3] {
     // SAFETY: as promised.
     unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
 }
@@ -301,7 +301,7 @@ pub(super) unsafe fn cross3<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> [L::F; 3]
 /// # Safety
 /// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(super) unsafe fn dot<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> L::F {
+pub(crate) unsafe fn dot<L: Lanes>(a: &[L::F; 3], b: &[L::F; 3]) -> L::F {
     // SAFETY: as promised.
     unsafe { L::mul_add(a[2], b[2], L::mul_add(a[1], b[1], L::mul(a[0], b[0]))) }
 }

@@ -9,6 +9,7 @@ pub mod embree;
 pub mod exact;
 pub mod hard;
 pub mod hash;
+pub mod ingredients;
 pub mod json_float;
 pub mod judge;
 pub mod kernels;

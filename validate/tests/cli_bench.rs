@@ -1,10 +1,11 @@
-//! `dacrt bench kernels` from outside.
+//! `dacrt bench` from outside.
 
 mod command;
 
 use command::Folder;
 use dacrt::Isa;
 use dacrt::bench::KERNELS;
+use dacrt::bench::ingredients::TRIANGLE_TESTS;
 use dacrt_validate::kernels::Document;
 
 const QUICK: &str = "bench kernels --quick --repeats 2";
@@ -66,9 +67,44 @@ fn what_cannot_be_is_refused() {
         ("bench kernel", &["kernel", "kernels"]),
         ("bench kernels --isa sse", &["--isa", "sse", "portable"]),
         ("bench kernels --isa avx512,sse", &["sse"]),
+        ("bench kernels --scenes hall", &["--scenes", "ingredients"]),
+        ("bench ingredients --scenes none", &["none", "dacrt scenes"]),
         ("bench kernels --repeats 0", &["--repeats", "1 to 1000"]),
         ("bench kernels --out no/such.json", &["--out", "no folder"]),
     ] {
         folder.dacrt(line).refuses(words);
+    }
+}
+
+#[test]
+fn ingredients_have_errors_and_times() {
+    let folder = Folder::new();
+    let text = folder
+        .dacrt("bench ingredients --quick --repeats 2 --scenes ./tiny.json --out i.json")
+        .exits(0)
+        .stdout();
+    for line in text.lines() {
+        assert!(line.chars().count() <= 100, "{line}");
+    }
+    let document = folder.json("i.json");
+    assert_eq!(document["kind"], "ingredients");
+    let sets = document["sets"].as_array().unwrap();
+    let times = document["times"]["triangle_tests"].as_array().unwrap();
+    for test in TRIANGLE_TESTS {
+        let begins = format!("{} ", test.name);
+        let lines = text.lines().filter(|line| line.starts_with(&begins));
+        // A line of errors a set, and one of times.
+        assert!(lines.count() > sets.len(), "{}", test.name);
+        let of_test = times.iter().filter(|time| time["test"] == test.name);
+        assert_eq!(of_test.count(), Isa::available().count(), "{}", test.name);
+    }
+    let exact = sets
+        .iter()
+        .flat_map(|set| set["triangle_tests"].as_array().unwrap());
+    for errors in exact.filter(|errors| errors["test"] == "exact") {
+        assert_eq!(
+            (&errors["lost"], &errors["false_hits"]),
+            (&0.into(), &0.into())
+        );
     }
 }

@@ -1,25 +1,36 @@
-//! `dacrt bench`: the kernels one by one.
+//! `dacrt bench`: the kernels one by one, and what each numerical ingredient does.
 
 use super::Verdict;
 use super::args::{Bench, BenchArgs};
+use super::ingredients::ingredients;
 use super::plan::{check_writable, distinct, isa};
 use super::progress::Progress;
 use super::text::{columns, complain, print};
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use dacrt::Isa;
 use dacrt::bench::KERNELS;
 use dacrt_validate::kernels::{Document, Figure, Level, Plan, Printed, Timing, measure};
 use dacrt_validate::machine::Machine;
 
 /// Measures, writes and prints. A finding is a kernel that answers differently on two instruction
-/// sets.
+/// sets, or a precision that breaks its promise.
 pub fn bench(args: &BenchArgs) -> anyhow::Result<Verdict> {
-    let Bench::Kernels = args.what;
     let isas = match &args.isa {
         None => Isa::available().collect(),
         Some(names) => distinct(names).map(isa).collect::<anyhow::Result<_>>()?,
     };
     check_writable(&args.out).context("--out")?;
+    match args.what {
+        Bench::Kernels => kernels(args, isas),
+        Bench::Ingredients => ingredients(args, isas),
+    }
+}
+
+fn kernels(args: &BenchArgs, isas: Vec<Isa>) -> anyhow::Result<Verdict> {
+    ensure!(
+        args.scenes.is_none(),
+        "--scenes is for `bench ingredients`: the data of kernels are made up"
+    );
     let plan = Plan {
         isas,
         levels: match args.quick {
@@ -110,7 +121,7 @@ fn size(bytes: usize) -> String {
 }
 
 /// Three digits that count, or all before the point.
-fn short(x: f64) -> String {
+pub(super) fn short(x: f64) -> String {
     match x {
         _ if x < 9.995 => format!("{x:.2}"),
         _ if x < 99.95 => format!("{x:.1}"),

@@ -7,6 +7,7 @@ mod compare;
 mod engine;
 mod env;
 mod hard;
+mod ingredients;
 mod knobs;
 mod merge;
 mod paper;
