@@ -6,7 +6,7 @@
 //! as well. [`trial`] traces a family and counts.
 //!
 //! Of the problems that users of ray tracers report, those whose numbers are public are in
-//! [`issues`]; that file also says which are not.
+//! `issues.rs`; that file also says which are not.
 
 mod closed;
 mod copies;
