@@ -12,6 +12,9 @@ use glam::Vec3;
 const TRIANGLES: usize = 20_000;
 const RAYS: usize = 10_000;
 
+/// What makes a ray invalid.
+type Spoil = fn(&mut Ray);
+
 fn point(seed: u64, i: usize, k: u64) -> Vec3 {
     let number = |k| unit_f64(hash(seed, i as u64, k)) as f32;
     Vec3::new(number(k), number(k + 1), number(k + 2))
@@ -107,7 +110,13 @@ fn a_scene_of_copies_costs_at_most_twice_a_clean_one() {
         Triangle::new(b.c, b.b, b.a),
         Triangle::new(b.b, b.a, b.c),
     ];
-    let or_clean = |i: usize, one| if i % 2 == 0 { one } else { clean_triangle(i) };
+    let or_clean = |i: usize, one| {
+        if i.is_multiple_of(2) {
+            one
+        } else {
+            clean_triangle(i)
+        }
+    };
     let nan = Triangle::new(Vec3::NAN, Vec3::X, Vec3::Y);
     let flat = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::X);
     let meshes = [
@@ -132,7 +141,7 @@ fn a_scene_of_copies_costs_at_most_twice_a_clean_one() {
 
 #[test]
 fn half_invalid_rays_cost_no_more_than_twice_as_much() {
-    let kinds: [(&str, fn(&mut Ray)); 7] = [
+    let kinds: [(&str, Spoil); 7] = [
         ("NaN direction", |ray| ray.direction.x = f32::NAN),
         ("infinite direction", |ray| ray.direction.y = f32::INFINITY),
         ("no direction", |ray| ray.direction = Vec3::ZERO),
@@ -146,7 +155,7 @@ fn half_invalid_rays_cost_no_more_than_twice_as_much() {
         for (name, spoil) in kinds {
             let ray = |i: usize| {
                 let mut ray = clean_ray(i, shared);
-                if hash(3, i as u64, 0) % 2 == 0 {
+                if hash(3, i as u64, 0).is_multiple_of(2) {
                     spoil(&mut ray);
                 }
                 ray

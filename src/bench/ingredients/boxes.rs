@@ -18,7 +18,7 @@ pub struct BoxTest {
     pub name: &'static str,
     /// What it does.
     pub change: &'static str,
-    intervals: fn(Isa, &Pairs) -> (Vec<f32>, Vec<f32>),
+    intervals: Intervals,
     met: fn(Isa, &Batch, &[Triangle], &mut [f32]),
 }
 

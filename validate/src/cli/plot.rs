@@ -339,7 +339,7 @@ fn tick(x: f64) -> String {
     let digit = (x / 10.0_f64.powf(x.log10().floor())).round() as u32;
     match x {
         _ if ![1, 2, 5, 10].contains(&digit) => String::new(),
-        _ if x >= 99_999.5 || x < 0.00099 => format!("{x:.0e}"),
+        _ if !(0.00099..99_999.5).contains(&x) => format!("{x:.0e}"),
         _ if x >= 0.995 => format!("{x:.0}"),
         _ => {
             let digits = (-x.log10()).ceil() as usize;
