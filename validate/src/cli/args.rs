@@ -468,7 +468,7 @@ ingredients  What each numerical ingredient does alone: tests of a ray and a tri
          arithmetic on pairs of a ray and a triangle: those of --scenes (primary and diffuse-1 rays
          at 512x512 with what they hit and a neighbour of it, then the same rays sent to edges and
          corners) and made-up hard ones. Then times, in turns, on made-up data in the L1 cache. If
-         watertight or exact break a promise, the exit code is 1. About 5 minutes a scene.
+         watertight or exact break a promise, the exit code is 1. About a minute a scene.
 
 In its tables: hits that a test loses and misses that it takes for hits, per million pairs; how far t
 of hits is off, in units in the last place (0.5 at most if rounded correctly) and relative to t. Of

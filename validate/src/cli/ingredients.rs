@@ -121,7 +121,7 @@ fn text(document: &Document) -> String {
     let Document { isa, times, .. } = document;
     text += &format!("Errors on {isa}. Times in the L1 cache:\n\n");
     text += &in_time("ray/triangle", &times.triangle_tests);
-    text += &in_time("precision, its naive step", &times.precisions);
+    text += &in_time("naive step of", &times.precisions);
     text += &in_time("ray/box", &times.box_tests);
     text
 }
