@@ -12,14 +12,14 @@ use glam::Vec3;
 ///
 /// No hit of exact arithmetic is rejected: a slab distance `(x - o) / d` is rounded three times,
 /// which is 3 units, or 6 where 1/d is denormal. Where the product underflows, 2⁻¹⁵⁰ are lost,
-/// which [`UNDERFLOW`] covers.
+/// which as much again covers.
 pub const PADDING: f32 = 64.0 / (1 << 24) as f32;
 
 const SHRINK: f32 = 1.0 - PADDING;
 const GROW: f32 = 1.0 + PADDING;
 
 /// How far slab intervals are widened besides.
-const UNDERFLOW: f32 = f32::MIN_POSITIVE / (1 << 14) as f32;
+pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE / (1 << 14) as f32;
 
 /// A box, ready to be tested against vectors of rays.
 #[derive(Clone, Copy)]

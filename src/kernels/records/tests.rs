@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::{Mesh, Triangle};
 use crate::kernels::Kernels;
 use crate::kernels::lists::{Listed, TriangleLists};
-use crate::kernels::slab::PADDING;
+use crate::kernels::slab::{PADDING, UNDERFLOW};
 use crate::random::{below, hash, unit_f64};
 use crate::rays::Ray;
 #[cfg(target_arch = "x86_64")]
@@ -449,11 +449,11 @@ fn cells_apart() -> impl Strategy<Value = (usize, f32, [Aabb; 2])> {
 }
 
 /// Whether the second cell has nothing for a ray whose best t is before its sure exit from the first.
-/// A ray that goes away from the plane on which it begins touches the second cell at t = 0, where
-/// there are no hits.
+/// A ray that goes away from the plane on which it begins touches the second cell at t = 0 (and as
+/// much as intervals are widened), where there are no hits.
 fn is_done_with(ray: &Ray, cells: &[Aabb; 2], t: f32) -> bool {
     let (exit, near, far) = two_cells_on(ray, cells);
-    t >= exit || near > far || near > t || far <= 0.0
+    t >= exit || near > far || near > t || far <= UNDERFLOW
 }
 
 /// Best t that matter for an exit: right before it, half-way, at once.

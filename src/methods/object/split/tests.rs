@@ -270,7 +270,7 @@ fn the_depth_is_limited_however_triangles_are_spaced() {
     // 1000 triangles in leaves of eight.
     for (mesh, expected) in [(different, 7), (identical, 0)] {
         let parameters = ObjectParameters::AFRA2012;
-        at_root(parameters, &mesh, &batch(1), |divide, root, list| {
+        at_root(parameters, &mesh, &batch(100), |divide, root, list| {
             assert_eq!(depth(divide, &root, list), expected);
         });
     }
