@@ -44,21 +44,7 @@ pub(crate) unsafe fn round_hits<L: Lanes>(
             }
         }
         let len = BLOCK.min(prim.len() - start);
-        let mut corners = [[0f32; BLOCK]; 9];
-        for (i, &p) in prim[start..start + len].iter().enumerate() {
-            if p != MISS {
-                let Triangle { a, b, c } = triangles[p as usize];
-                corners[0][i] = a.x;
-                corners[1][i] = a.y;
-                corners[2][i] = a.z;
-                corners[3][i] = b.x;
-                corners[4][i] = b.y;
-                corners[5][i] = b.z;
-                corners[6][i] = c.x;
-                corners[7][i] = c.y;
-                corners[8][i] = c.z;
-            }
-        }
+        let corners = corners(triangles, &prim[start..start + len]);
         let [o, d] = [&batch.origin, &batch.direction];
         let o = [
             block(&o[0], start),
@@ -82,6 +68,37 @@ pub(crate) unsafe fn round_hits<L: Lanes>(
             }
         }
     }
+}
+
+/// The nine coordinates of the triangles of a block; zeros where there is none.
+#[inline(always)]
+fn corners(triangles: &[Triangle], prims: &[u32]) -> [[f32; BLOCK]; 9] {
+    let mut corners = [[0f32; BLOCK]; 9];
+    let first = prims[0];
+    // Neighbours often hit the same triangle.
+    if first != MISS && prims.iter().all(|&p| p == first) {
+        let Triangle { a, b, c } = triangles[first as usize];
+        let all = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
+        for (lanes, x) in corners.iter_mut().zip(all) {
+            *lanes = [x; BLOCK];
+        }
+        return corners;
+    }
+    for (i, &p) in prims.iter().enumerate() {
+        if p != MISS {
+            let Triangle { a, b, c } = triangles[p as usize];
+            corners[0][i] = a.x;
+            corners[1][i] = a.y;
+            corners[2][i] = a.z;
+            corners[3][i] = b.x;
+            corners[4][i] = b.y;
+            corners[5][i] = b.z;
+            corners[6][i] = c.x;
+            corners[7][i] = c.y;
+            corners[8][i] = c.z;
+        }
+    }
+    corners
 }
 
 #[cold]
