@@ -215,6 +215,7 @@ impl Copied {
             any_hit: false,
             precision: Precision::Fast,
             tmax: Tmax::of(&self.batch),
+            ahead: true,
             scene: CUBE,
         }
     }

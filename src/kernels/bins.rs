@@ -26,7 +26,35 @@ impl Item {
     pub fn new(triangle: &Triangle, prim: u32) -> Item {
         let Aabb { min, max } = triangle.bounds();
         let number = f32::from_bits(prim);
-        Item([min.x, min.y, min.z, number, -max.x, -max.y, -max.z, 0.0])
+        Item([
+            min.x,
+            min.y,
+            min.z,
+            number,
+            -max.x,
+            -max.y,
+            -max.z,
+            f32::from_bits(1),
+        ])
+    }
+
+    /// A cluster of `weight` triangles.
+    pub fn cluster(bounds: BinBox, number: u32, weight: u32) -> Item {
+        let mut item = bounds.0;
+        item[3] = f32::from_bits(number);
+        item[7] = f32::from_bits(weight);
+        Item(item)
+    }
+
+    /// How many triangles it stands for.
+    #[inline(always)]
+    pub fn weight(&self) -> u32 {
+        self.0[7].to_bits()
+    }
+
+    #[inline(always)]
+    pub fn doubled_center(&self, axis: usize) -> f32 {
+        self.0[axis] - self.0[axis + 4]
     }
 
     #[inline(always)]
@@ -34,7 +62,7 @@ impl Item {
         self.0[3].to_bits()
     }
 
-    #[inline(always)]
+    #[cfg(test)]
     pub fn bounds(&self) -> Aabb {
         BinBox(self.0).bounds()
     }
@@ -49,6 +77,10 @@ impl BinBox {
     pub unsafe fn add<L: Lanes>(&mut self, item: &Item) {
         // SAFETY: as promised.
         unsafe { L::min8(&mut self.0, &item.0) }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0[0] == f32::INFINITY
     }
 
     #[inline(always)]
@@ -99,8 +131,7 @@ impl Binning {
 
     #[inline(always)]
     fn bin(&self, item: &Item) -> usize {
-        let doubled_center = item.0[self.axis] - item.0[self.axis + 4];
-        let x = (doubled_center - self.base) * self.scale;
+        let x = (item.doubled_center(self.axis) - self.base) * self.scale;
         // NaN (a box without extent) falls into the last bin.
         let x = if x < self.last { x } else { self.last };
         let x = if x > 0.0 { x } else { 0.0 };
@@ -135,7 +166,7 @@ impl Bins {
         // SAFETY: as promised.
         unsafe {
             self.boxes.get_unchecked_mut(bin).add::<L>(item);
-            *self.counts.get_unchecked_mut(bin) += 1;
+            *self.counts.get_unchecked_mut(bin) += item.weight();
         }
     }
 }

@@ -21,8 +21,8 @@
 //! ([`ordinary`]) make sure: what underflow loses is 2²⁰ times less than the bound, and
 //! products of four stay below 2¹²⁸. Other triangles and rays have infinite bounds.
 
-use super::naive::{Candidate, RayList, RayVector};
-use super::triangle::Edges;
+use super::naive::{RayList, RayVector};
+use super::triangle::{Edges, Prepared};
 use crate::simd::Lanes;
 
 /// Unit roundoff of float32.
@@ -127,17 +127,17 @@ pub(super) unsafe fn margin<L: Lanes, const SHARED: bool>(
 /// Lanes that may be on the inner side of all edges of a triangle. NaN may.
 ///
 /// # Safety
-/// The processor has `L`'s instruction set; `of.j` is below the length of a chunk.
+/// The processor has `L`'s instruction set.
 #[inline(always)]
 pub(super) unsafe fn may_hit<L: Lanes, const SHARED: bool>(
-    of: Candidate,
+    of: &Prepared,
     v: &RayVector<L>,
     margin: L::F,
 ) -> L::M {
     // SAFETY: as promised.
     unsafe {
-        let edges = (of.chunk).edges::<L, SHARED>(of.j, &v.origin, &v.direction);
-        let least = L::mul(margin, L::splat(of.chunk.size(of.j)));
+        let edges = of.edges::<L, SHARED>(&v.origin, &v.direction);
+        let least = L::mul(margin, L::splat(of.size));
         let outside = edges.below(least);
         L::and_not(v.active, outside)
     }
@@ -191,19 +191,18 @@ pub(super) struct Said<L: Lanes> {
 /// As for [`may_hit`].
 #[inline(always)]
 pub(super) unsafe fn say<L: Lanes, const SHARED: bool>(
-    of: Candidate,
+    of: &Prepared,
     v: &RayVector<L>,
     margin: L::F,
     best: L::F,
 ) -> Said<L> {
-    let Candidate { chunk, j } = of;
     // SAFETY: as promised.
     unsafe {
-        let edges = chunk.edges::<L, SHARED>(j, &v.origin, &v.direction);
-        let size = L::splat(chunk.size(j));
+        let edges = of.edges::<L, SHARED>(&v.origin, &v.direction);
+        let size = L::splat(of.size);
         let possible = L::and_not(v.active, edges.below(L::mul(margin, size)));
 
-        let distance = chunk.distance::<L, SHARED>(j, &v.origin);
+        let distance = of.distance::<L, SHARED>(&v.origin);
         let d = &v.direction;
         let speed = L::sqrt(L::mul_add(
             d[2],

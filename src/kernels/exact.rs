@@ -7,8 +7,9 @@
 //! once ([`round_hits`](crate::exact::round_hits)).
 
 use super::certain::{self, Said, WITHIN};
-use super::naive::{Best, Candidate, RayList, RayVector, Record, TriangleList};
+use super::naive::{Best, RayList, RayVector, Record, TriangleList};
 use super::open::OpenLanes;
+use super::triangle::Prepared;
 use crate::rays::MISS;
 use crate::simd::{Lanes, MAX_LANES, lanes_of_bits};
 
@@ -39,21 +40,21 @@ impl<L: Lanes> Record<L> for Exact {
     }
 
     #[inline(always)]
-    unsafe fn may_hit<const SHARED: bool>(of: Candidate, v: &RayVector<L>, margin: L::F) -> L::M {
+    unsafe fn may_hit<const SHARED: bool>(of: &Prepared, v: &RayVector<L>, margin: L::F) -> L::M {
         // SAFETY: as promised.
         unsafe { certain::may_hit::<L, SHARED>(of, v, margin) }
     }
 
     #[inline(always)]
     unsafe fn hit<const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
-        of: Candidate,
+        of: &Prepared,
         v: &RayVector<L>,
         margin: L::F,
         best: &mut Best<L>,
         rays: &impl RayList<L>,
         triangles: &impl TriangleList<L>,
     ) {
-        let prim = of.chunk.prim[of.j];
+        let prim = of.prim;
         // SAFETY: as promised.
         unsafe {
             let Said { sure, open, t, .. } = certain::say::<L, SHARED>(of, v, margin, best.t);
@@ -82,14 +83,14 @@ impl<L: Lanes> Record<L> for Exact {
 /// As for [`Record::hit`].
 #[inline(always)]
 unsafe fn decide<L: Lanes, const SHARED: bool, const ANY: bool>(
-    of: Candidate,
+    of: &Prepared,
     v: &RayVector<L>,
     open: L::M,
     best: &mut Best<L>,
     rays: &impl RayList<L>,
     triangles: &impl TriangleList<L>,
 ) {
-    let prim = of.chunk.prim[of.j];
+    let prim = of.prim;
     let triangle = triangles.triangle(prim);
     let (mut t, mut found) = ([0f32; MAX_LANES], [MISS; MAX_LANES]);
     // SAFETY: as promised.

@@ -1,6 +1,7 @@
 //! The kernel of record of `fast`: float32 decides.
 
-use super::naive::{Best, Candidate, RayList, RayVector, Record, TriangleList};
+use super::naive::{Best, RayList, RayVector, Record, TriangleList};
+use super::triangle::Prepared;
 use crate::simd::Lanes;
 
 /// Precision `fast`.
@@ -15,17 +16,17 @@ impl<L: Lanes> Record<L> for Fast {
     unsafe fn margin<const SHARED: bool>(_: &RayVector<L>, _: &impl RayList<L>) {}
 
     #[inline(always)]
-    unsafe fn may_hit<const SHARED: bool>(of: Candidate, v: &RayVector<L>, _: ()) -> L::M {
+    unsafe fn may_hit<const SHARED: bool>(of: &Prepared, v: &RayVector<L>, _: ()) -> L::M {
         // SAFETY: as promised.
         unsafe {
-            let edges = (of.chunk).edges::<L, SHARED>(of.j, &v.origin, &v.direction);
+            let edges = of.edges::<L, SHARED>(&v.origin, &v.direction);
             edges.inside()
         }
     }
 
     #[inline(always)]
     unsafe fn hit<const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
-        Candidate { chunk, j }: Candidate,
+        of: &Prepared,
         v: &RayVector<L>,
         _: (),
         best: &mut Best<L>,
@@ -34,7 +35,7 @@ impl<L: Lanes> Record<L> for Fast {
     ) {
         // SAFETY: as promised.
         unsafe {
-            let edges = chunk.edges::<L, SHARED>(j, &v.origin, &v.direction);
+            let edges = of.edges::<L, SHARED>(&v.origin, &v.direction);
             // A ray in the plane has a denominator of 0, so that t is NaN or infinite: a miss.
             let t = L::div(edges.num, edges.den);
             let in_reach = L::and(L::lt(v.tmin, t), L::le(t, best.t));
@@ -43,9 +44,9 @@ impl<L: Lanes> Record<L> for Fast {
             if L::bits(hit) == 0 {
                 return;
             }
-            let (near, far) = chunk.clip::<L, SHARED, SPECIAL>(j, v, rays.shared_origin());
+            let (near, far) = of.clip::<L, SHARED, SPECIAL>(v, rays.shared_origin());
             let hit = L::and(hit, L::and(L::le(near, t), L::le(t, far)));
-            best.take::<ANY>(hit, t, chunk.prim[j]);
+            best.take::<ANY>(hit, t, of.prim);
         }
     }
 }

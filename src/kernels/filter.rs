@@ -50,7 +50,7 @@ unsafe fn kept<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         let tmin = L::splat(rays.least_tmin);
         let (near, far) = slabs.interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
         let mut kept = L::and(L::le(near, far), L::first(left));
-        if !SHARED {
+        if !SHARED && rays.ahead {
             for lane in 0..L::N {
                 let next = *s.id.add(at + 2 * L::N + lane) as usize;
                 L::prefetch(rays.t.wrapping_add(next));
@@ -163,6 +163,62 @@ pub(crate) unsafe fn filter<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
             L::store_first_u(s.id.add(to), L::load_u(scratch.id.add(i)), lanes);
         }
         n
+    }
+}
+
+/// Keeps the rays of a list that meet each of two boxes, in copies from two places on; returns how many.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; `rays` keeps its promises; `list` is a list of it; from each
+/// place on there is room for `list.len` records and a whole vector.
+#[inline(always)]
+pub(crate) unsafe fn filter_both<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
+    rays: &Rays,
+    list: List,
+    boxes: [&Aabb; 2],
+    places: [usize; 2],
+) -> [usize; 2] {
+    let s = &rays.active;
+    // SAFETY: as promised.
+    unsafe {
+        let slabs = [
+            SlabBox::<L>::new(boxes[0], rays.shared_origin),
+            SlabBox::<L>::new(boxes[1], rays.shared_origin),
+        ];
+        let tmin = L::splat(rays.least_tmin);
+        let mut to = places;
+        for i in (0..list.len).step_by(L::N) {
+            let (at, left) = (list.start + i, list.len - i);
+            let lanes = L::first(left);
+            let id = L::load_u(s.id.add(at));
+            if rays.ahead {
+                for lane in 0..L::N {
+                    let next = *s.id.add(at + 2 * L::N + lane) as usize;
+                    L::prefetch(rays.t.wrapping_add(next));
+                }
+            }
+            let t = L::gather(rays.t, id, lanes);
+            let inverse = load3::<L>(&s.inverse, at);
+            let origin = if SHARED {
+                inverse
+            } else {
+                load3::<L>(&s.origin, at)
+            };
+            for side in 0..2 {
+                let (near, far) = slabs[side].interval::<SHARED, SPECIAL>(&inverse, &origin, tmin);
+                let kept = L::and(L::le(near, L::min(far, t)), lanes);
+                let n = to[side];
+                for axis in 0..3 {
+                    L::store(s.inverse[axis].add(n), L::compress(kept, inverse[axis]));
+                    if !SHARED {
+                        L::store(s.origin[axis].add(n), L::compress(kept, origin[axis]));
+                    }
+                }
+                L::store_u(s.id.add(n), L::compress_u(kept, id));
+                to[side] = n + L::bits(kept).count_ones() as usize;
+            }
+        }
+        [to[0] - places[0], to[1] - places[1]]
     }
 }
 

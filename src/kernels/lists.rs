@@ -4,7 +4,7 @@
 
 use super::naive::{Record, TriangleList};
 use super::partition::{Test, partition};
-use super::triangle::{Chunk, Corners};
+use super::triangle::{Corners, Prepared};
 use crate::exact::has_area;
 use crate::geometry::{Aabb, Mesh, Triangle};
 use crate::simd::{Lanes, MAX_LANES};
@@ -224,7 +224,7 @@ impl<L: Lanes> TriangleList<L> for Listed<'_> {
     unsafe fn prepare<R: Record<L>>(
         &mut self,
         from: usize,
-        chunk: &mut Chunk,
+        to: &mut [Prepared],
         shared_origin: Option<Vec3>,
     ) {
         let len = (self.len - from).min(MAX_LANES);
@@ -233,8 +233,7 @@ impl<L: Lanes> TriangleList<L> for Listed<'_> {
             unsafe {
                 let ids = self.lists.ids.add(from + at);
                 let (corners, code) = corners::<L>(self.lists, ids);
-                chunk.prepare::<L, R>(at, &corners, shared_origin);
-                L::store_u(chunk.prim.as_mut_ptr().add(at), L::load_u(ids));
+                Prepared::prepare::<L, R>(&mut to[at..], &corners, L::load_u(ids), shared_origin);
                 let met = L::common_bits(code, L::splat_u(MET));
                 let active = L::first(len - at);
                 *self.duplicates += L::bits(L::and(met, active)).count_ones() as u64;

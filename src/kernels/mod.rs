@@ -2,12 +2,15 @@
 //! every instruction set by the thin shells of [`Kernels`].
 
 mod bins;
+mod block;
 mod certain;
+mod clusters;
 mod cone;
 mod copies;
 mod exact;
 mod fast;
 mod filter;
+mod groups;
 mod lists;
 mod naive;
 mod one;
@@ -23,9 +26,12 @@ mod triangle;
 mod watertight;
 
 pub(crate) use bins::{BinBox, Binning, Bins, Item, MAX_BINS};
+pub(crate) use block::BlockStreams;
+pub(crate) use clusters::Grid;
 pub(crate) use cone::{Cones, LEAST_PACKET};
 pub(crate) use copies::{Copies, IndexList, ItemList};
 pub(crate) use filter::{BLOCK, Keep};
+pub(crate) use groups::{ENTRY, Entry, GROUP, Groups, Ordered};
 pub(crate) use lists::{Listed, Side, TriangleLists};
 pub(crate) use one::OneRay;
 pub use one::{Sure, TriangleTest};
@@ -34,6 +40,7 @@ pub(crate) use records::{Directions, Done, RAYS_AHEAD, Range, RayRecords};
 pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_left};
 pub(crate) use shells::Kernels;
 pub use slab::PADDING;
+pub(crate) use triangle::{CHUNK, Prepared};
 pub(crate) use triangle::{dot, sub3};
 
 use crate::geometry::Aabb;
@@ -70,6 +77,8 @@ pub(crate) struct Rays {
     pub any_hit: bool,
     pub precision: Precision,
     pub tmax: Tmax,
+    /// Whether what is looked up by ray id may be far away.
+    pub ahead: bool,
     /// The box around all triangles.
     pub scene: Aabb,
 }

@@ -1,6 +1,6 @@
 //! The naive step: every active ray against every triangle of the subproblem.
 
-use super::triangle::{CHUNK, Chunk, Corners};
+use super::triangle::{CHUNK, Corners, Prepared};
 use super::{Item, List, Rays};
 use crate::geometry::{Aabb, Triangle};
 use crate::simd::{Lanes, MAX_LANES, load3};
@@ -89,9 +89,15 @@ pub(crate) trait TriangleList<L: Lanes> {
     unsafe fn prepare<R: Record<L>>(
         &mut self,
         from: usize,
-        chunk: &mut Chunk,
+        to: &mut [Prepared],
         shared_origin: Option<Vec3>,
     );
+
+    /// The triangles, prepared before, if that are all.
+    #[inline(always)]
+    fn kept(&self) -> Option<&[Prepared]> {
+        None
+    }
 
     /// A triangle of the mesh.
     fn triangle(&self, prim: u32) -> &Triangle;
@@ -104,13 +110,6 @@ pub(crate) struct Best<L: Lanes> {
     pub prim: L::U,
     /// Lanes that have found a better hit since they were loaded.
     pub changed: L::M,
-}
-
-/// A triangle of a chunk.
-#[derive(Clone, Copy)]
-pub(crate) struct Candidate<'a> {
-    pub chunk: &'a Chunk,
-    pub j: usize,
 }
 
 /// The kernel of record of a precision: whether and where rays hit a triangle, and which of two hits
@@ -130,9 +129,9 @@ pub(crate) trait Record<L: Lanes> {
     /// Lanes that may hit a triangle, wherever along the ray.
     ///
     /// # Safety
-    /// The processor has `L`'s instruction set; `of.j` is below [`CHUNK`].
+    /// The processor has `L`'s instruction set.
     unsafe fn may_hit<const SHARED: bool>(
-        of: Candidate,
+        of: &Prepared,
         v: &RayVector<L>,
         margin: Self::Margin,
     ) -> L::M;
@@ -142,7 +141,7 @@ pub(crate) trait Record<L: Lanes> {
     /// # Safety
     /// As for [`Record::may_hit`]; the vector is one of `rays`, and the triangle of `triangles`.
     unsafe fn hit<const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
-        of: Candidate,
+        of: &Prepared,
         v: &RayVector<L>,
         margin: Self::Margin,
         best: &mut Best<L>,
@@ -167,13 +166,16 @@ pub(crate) unsafe fn naive<
     rays: &mut impl RayList<L>,
     mut triangles: impl TriangleList<L>,
 ) {
-    let mut chunk = Chunk::ZERO;
+    let mut room = [Prepared::ZERO; CHUNK];
     let shared_origin = rays.shared_origin();
     for from in (0..triangles.len()).step_by(CHUNK) {
         let len = (triangles.len() - from).min(CHUNK);
         let last = from + len == triangles.len();
-        // SAFETY: as promised; so below.
-        unsafe { triangles.prepare::<R>(from, &mut chunk, shared_origin) };
+        if triangles.kept().is_none() {
+            // SAFETY: as promised; so below.
+            unsafe { triangles.prepare::<R>(from, &mut room, shared_origin) };
+        }
+        let chunk = &triangles.kept().unwrap_or(&room)[..len];
         for i in (0..rays.len()).step_by(L::N) {
             // SAFETY: as above.
             unsafe {
@@ -186,15 +188,14 @@ pub(crate) unsafe fn naive<
                 };
                 // Two loops: the first has no branch to be mispredicted, the second few rounds.
                 let mut candidates = 0u32;
-                for j in 0..len {
-                    let of = Candidate { chunk: &chunk, j };
+                for (j, of) in chunk.iter().enumerate() {
                     let may = R::may_hit::<SHARED>(of, &v, margin);
                     candidates |= ((L::bits(L::and(may, v.active)) != 0) as u32) << j;
                 }
                 while candidates != 0 {
                     let j = candidates.trailing_zeros() as usize;
                     candidates &= candidates - 1;
-                    let of = Candidate { chunk: &chunk, j };
+                    let of = chunk.get_unchecked(j);
                     R::hit::<SHARED, SPECIAL, ANY>(of, &v, margin, &mut best, rays, &triangles);
                 }
                 let Best {
@@ -302,10 +303,12 @@ unsafe impl<L: Lanes> RayList<L> for Copied<'_> {
                 load3::<L>(&s.origin, at)
             };
             // The rays of the vector after next; 5 to 10 % of the time of incoherent batches.
-            for lane in 0..L::N {
-                let next = *s.id.add(at + 2 * L::N + lane) as usize;
-                L::prefetch(rays.directions.wrapping_add(next).cast());
-                L::prefetch(rays.t.wrapping_add(next));
+            if rays.ahead {
+                for lane in 0..L::N {
+                    let next = *s.id.add(at + 2 * L::N + lane) as usize;
+                    L::prefetch(rays.directions.wrapping_add(next).cast());
+                    L::prefetch(rays.t.wrapping_add(next));
+                }
             }
             // What stands behind the list are old ids, so there are directions for them too.
             let [x, y, z, tmin] = L::gather4::<1>(rays.directions, s.id.add(at));
@@ -367,44 +370,71 @@ impl<L: Lanes> TriangleList<L> for Items<'_> {
     unsafe fn prepare<R: Record<L>>(
         &mut self,
         from: usize,
-        chunk: &mut Chunk,
+        to: &mut [Prepared],
         shared_origin: Option<Vec3>,
     ) {
         let items = &self.items[from..];
-        // Corners and box, one number a triangle.
-        let mut rows = [[0f32; CHUNK]; 15];
+        // Corners, one number a triangle.
+        let mut rows = [[0f32; CHUNK]; 9];
+        let mut prims = [0; CHUNK];
         for (j, item) in items.iter().take(CHUNK).enumerate() {
             let Triangle { a, b, c } = &self.triangles[item.prim() as usize];
-            let bounds = item.bounds();
             for axis in 0..3 {
                 rows[axis][j] = a[axis];
                 rows[3 + axis][j] = b[axis];
                 rows[6 + axis][j] = c[axis];
-                rows[9 + axis][j] = bounds.min[axis];
-                rows[12 + axis][j] = bounds.max[axis];
             }
-            chunk.prim[j] = item.prim();
+            prims[j] = item.prim();
         }
         for at in (0..items.len().min(CHUNK)).step_by(L::N) {
             // SAFETY: as promised; rows are as long as a chunk.
             unsafe {
-                let corners = Corners {
-                    a: row3::<L>(&rows, 0, at),
-                    b: row3::<L>(&rows, 3, at),
-                    c: row3::<L>(&rows, 6, at),
-                    lo: row3::<L>(&rows, 9, at),
-                    hi: row3::<L>(&rows, 12, at),
-                };
-                chunk.prepare::<L, R>(at, &corners, shared_origin);
+                let a = row3::<L>(&rows, 0, at);
+                let b = row3::<L>(&rows, 3, at);
+                let c = row3::<L>(&rows, 6, at);
+                let (mut lo, mut hi) = (a, a);
+                for axis in 0..3 {
+                    lo[axis] = L::min(L::min(a[axis], b[axis]), c[axis]);
+                    hi[axis] = L::max(L::max(a[axis], b[axis]), c[axis]);
+                }
+                let corners = Corners { a, b, c, lo, hi };
+                let prim = L::load_u(prims.as_ptr().add(at));
+                Prepared::prepare::<L, R>(&mut to[at..], &corners, prim, shared_origin);
             }
         }
     }
 }
 
+/// Triangles prepared before.
+pub(crate) struct Kept<'a> {
+    pub triangles: &'a [Triangle],
+    pub kept: &'a [Prepared],
+}
+
+impl<L: Lanes> TriangleList<L> for Kept<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.kept.len()
+    }
+
+    #[inline(always)]
+    fn triangle(&self, prim: u32) -> &Triangle {
+        &self.triangles[prim as usize]
+    }
+
+    #[inline(always)]
+    fn kept(&self) -> Option<&[Prepared]> {
+        Some(self.kept)
+    }
+
+    #[inline(always)]
+    unsafe fn prepare<R: Record<L>>(&mut self, _: usize, _: &mut [Prepared], _: Option<Vec3>) {}
+}
+
 /// # Safety
 /// The processor has `L`'s instruction set; whole vectors of three rows from `row` on.
 #[inline(always)]
-unsafe fn row3<L: Lanes>(rows: &[[f32; CHUNK]; 15], row: usize, at: usize) -> [L::F; 3] {
+unsafe fn row3<L: Lanes>(rows: &[[f32; CHUNK]; 9], row: usize, at: usize) -> [L::F; 3] {
     // SAFETY: as promised.
     unsafe {
         [

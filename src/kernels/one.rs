@@ -3,10 +3,10 @@
 
 use super::certain::{self, Said};
 use super::exact::Exact;
-use super::naive::{Candidate, RayVector};
+use super::naive::RayVector;
 use super::prepare;
 use super::slab::SlabBox;
-use super::triangle::{Chunk, Corners};
+use super::triangle::{Corners, Prepared};
 use crate::exact;
 use crate::geometry::{Aabb, Triangle};
 use crate::methods::Precision;
@@ -110,10 +110,12 @@ impl OneRay {
             lo: splat3(bounds.min),
             hi: splat3(bounds.max),
         };
-        let mut chunk = Chunk::ZERO;
-        // SAFETY: portable code runs on every processor; a chunk has a first triangle.
+        let mut of = [Prepared::ZERO];
+        // SAFETY: portable code runs on every processor.
         unsafe {
-            chunk.prepare::<Portable, Exact>(0, &corners, self.shared_origin);
+            let number = Portable::splat_u(prim);
+            Prepared::prepare::<Portable, Exact>(&mut of, &corners, number, self.shared_origin);
+            let [of] = &of;
             let v = RayVector::<Portable> {
                 active: Portable::first(1),
                 id: Portable::splat_u(0),
@@ -124,12 +126,8 @@ impl OneRay {
                 t: far,
                 prim: Portable::splat_u(0),
             };
-            let edges = chunk.edges::<Portable, SHARED>(0, &v.origin, &v.direction);
-            let clip = chunk.clip::<Portable, SHARED, true>(0, &v, self.shared_origin);
-            let of = Candidate {
-                chunk: &chunk,
-                j: 0,
-            };
+            let edges = of.edges::<Portable, SHARED>(&v.origin, &v.direction);
+            let clip = of.clip::<Portable, SHARED, true>(&v, self.shared_origin);
             let Said {
                 sure, open, error, ..
             } = certain::say::<Portable, SHARED>(of, &v, splat(f32::NEG_INFINITY), far);

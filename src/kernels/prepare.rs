@@ -229,21 +229,27 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
     }
 }
 
-/// Writes the items of all triangles that can be hit (valid and with an area), in file order, and
-/// the box around them; returns how many there are.
+/// Writes the items of triangles that can be hit (valid and with an area), in file order, and the box
+/// around them; returns how many there are. It looks at as many triangles from `from` on as there is room
+/// for.
 ///
 /// # Safety
 /// The processor has `L`'s instruction set.
 #[inline(always)]
 pub(crate) unsafe fn prepare_triangles<L: Lanes>(
     mesh: &Mesh,
+    from: usize,
     items: &mut [Item],
 ) -> (usize, BinBox) {
     let mut bounds = BinBox::EMPTY;
     let mut n = 0;
-    for (prim, triangle) in mesh.triangles().iter().enumerate() {
+    for (i, triangle) in mesh.triangles()[from..]
+        .iter()
+        .take(items.len())
+        .enumerate()
+    {
         if triangle.is_valid() && has_area(triangle) {
-            items[n] = Item::new(triangle, prim as u32);
+            items[n] = Item::new(triangle, (from + i) as u32);
             // SAFETY: as promised.
             unsafe { bounds.add::<L>(&items[n]) };
             n += 1;

@@ -1,16 +1,20 @@
 //! One instance of every kernel for each instruction set, behind a table of functions.
 
 use super::bins::{self, BinBox, Binning, Bins, Item};
+use super::block::{self, BlockStreams};
+use super::clusters::{self, Grid};
 use super::cone::{self, Cones, PreparedCones};
 use super::exact::Exact;
 use super::fast::Fast;
 use super::filter::{self, Keep};
+use super::groups::{self, Entry, Groups, InOrder, Ordered};
 use super::lists::{self, Listed, PreparedLists, Side, TriangleLists};
-use super::naive::{self, Copied, Items};
+use super::naive::{self, Copied, Items, Kept, TriangleList};
 use super::overlap::{self, Overlap};
 use super::prepare::{self, PreparedRays};
 use super::records::{self, Directions, Done, Indexed, PreparedRecords, Range, RayRecords};
 use super::sample::{Candidate, Draw, SampleCounts, Samples};
+use super::triangle::Prepared;
 use super::watertight::Watertight;
 use super::{List, Rays};
 use crate::exact;
@@ -19,8 +23,9 @@ use crate::methods::Precision;
 use crate::rays::Batch;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
-use crate::simd::{Isa, Portable};
+use crate::simd::{Isa, Lanes, Portable};
 use glam::Vec3;
+use std::ops;
 
 /// The kernels of one instruction set.
 ///
@@ -28,10 +33,11 @@ use glam::Vec3;
 /// Each function may be called only on a processor that has the instruction set, which
 /// [`Kernels::of`] checks, and with arguments that keep the promises of the generic function that
 /// it instantiates.
+#[allow(clippy::type_complexity)]
 pub(crate) struct Kernels {
     pub shared_origin: unsafe fn(&Batch) -> Option<Vec3>,
     pub prepare_rays: unsafe fn(&Batch, &Rays) -> PreparedRays,
-    pub prepare_triangles: unsafe fn(&Mesh, &mut [Item]) -> (usize, BinBox),
+    pub prepare_triangles: unsafe fn(&Mesh, usize, &mut [Item]) -> (usize, BinBox),
     pub bin: unsafe fn(&[Item], &[Binning], &mut [Bins; 3]),
     pub partition: unsafe fn(&mut [Item], &mut [Item], &Binning, usize) -> usize,
     pub unite: unsafe fn(&[Item]) -> BinBox,
@@ -39,8 +45,24 @@ pub(crate) struct Kernels {
     pub draw_samples: unsafe fn(&mut Samples, &Rays, List, Draw),
     pub count_samples: unsafe fn(&Samples, &Rays, &[Candidate], &mut [SampleCounts]),
     pub filter: unsafe fn(&Rays, List, &Aabb, Keep) -> usize,
+    pub filter_both: unsafe fn(&Rays, List, [&Aabb; 2], [usize; 2]) -> [usize; 2],
     pub count: unsafe fn(&Rays, List, &Aabb, usize) -> (usize, usize),
     pub naive: unsafe fn(&Rays, List, &[Triangle], &[Item]),
+    pub load_block:
+        unsafe fn(&Batch, ops::Range<usize>, Option<&[u32]>, &Rays, &BlockStreams) -> PreparedRays,
+    pub bound_groups: unsafe fn(&Rays, &Groups, usize),
+    pub filter_groups:
+        unsafe fn(&Rays, &Groups, &[Entry], [&Aabb; 2], [*mut Entry; 2]) -> [usize; 2],
+    pub rays_of_groups: unsafe fn(&Rays, &[Entry], &Aabb, *mut Entry) -> (usize, usize),
+    pub flush_groups: unsafe fn(&Rays, &[Entry], usize) -> usize,
+    pub refresh_groups: unsafe fn(&Rays, &Groups, &[Entry]),
+    pub naive_in_order: unsafe fn(&Rays, &Ordered, &[Entry], &[Triangle], &[Prepared]),
+    pub naive_kept: unsafe fn(&Rays, List, &[Triangle], &[Prepared]),
+    pub prepare_leaf: unsafe fn(&Rays, &[Triangle], &[Item], &mut [Prepared]),
+    /// Brings so many bytes near.
+    pub prefetch: unsafe fn(*const f32, usize),
+    pub count_cells: unsafe fn(&[Item], &Grid, &mut [u32], &mut [u32]),
+    pub scatter: unsafe fn(&[Item], &[u32], &mut [u32], &mut [BinBox], *mut Item),
     pub prepare_lists: unsafe fn(&Mesh, &TriangleLists) -> PreparedLists,
     pub keep_side: unsafe fn(&TriangleLists, usize, Side) -> usize,
     pub keep_overlapping: unsafe fn(&TriangleLists, usize, Overlap) -> usize,
@@ -53,7 +75,7 @@ pub(crate) struct Kernels {
     pub keep_cones: unsafe fn(&Cones, Range, &Aabb, Vec3) -> usize,
     /// Also given the cell and when rays are done; returns the place behind those that are.
     pub naive_indexed: unsafe fn(&RayRecords, Range, Listed, &Aabb, Done) -> usize,
-    pub round_hits: unsafe fn(&Batch, &[Triangle], &[u32], &mut [f32]),
+    pub round_hits: unsafe fn(&Batch, usize, &[Triangle], &[u32], &mut [f32]),
 }
 
 impl Kernels {
@@ -139,8 +161,21 @@ macro_rules! shells {
                 draw_samples,
                 count_samples,
                 filter,
+                filter_both,
                 count,
                 naive,
+                load_block,
+                bound_groups,
+                filter_groups,
+                rays_of_groups,
+                flush_groups,
+                refresh_groups,
+                naive_in_order,
+                naive_kept,
+                prepare_leaf,
+                prefetch,
+                count_cells,
+                scatter,
                 prepare_lists,
                 keep_side,
                 keep_overlapping,
@@ -169,9 +204,13 @@ macro_rules! shells {
             }
 
             $(#[$feature])?
-            unsafe fn prepare_triangles(mesh: &Mesh, items: &mut [Item]) -> (usize, BinBox) {
+            unsafe fn prepare_triangles(
+                mesh: &Mesh,
+                from: usize,
+                items: &mut [Item],
+            ) -> (usize, BinBox) {
                 // SAFETY: as above.
-                unsafe { prepare::prepare_triangles::<L>(mesh, items) }
+                unsafe { prepare::prepare_triangles::<L>(mesh, from, items) }
             }
 
             $(#[$feature])?
@@ -229,6 +268,19 @@ macro_rules! shells {
             }
 
             $(#[$feature])?
+            unsafe fn filter_both(
+                rays: &Rays,
+                list: List,
+                boxes: [&Aabb; 2],
+                places: [usize; 2],
+            ) -> [usize; 2] {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { filter::filter_both::<L, SHARED, SPECIAL>(rays, list, boxes, places) }
+                })
+            }
+
+            $(#[$feature])?
             unsafe fn count(
                 rays: &Rays,
                 list: List,
@@ -252,6 +304,157 @@ macro_rules! shells {
                         })
                     }
                 });
+            }
+
+            $(#[$feature])?
+            unsafe fn load_block(
+                batch: &Batch,
+                range: ops::Range<usize>,
+                order: Option<&[u32]>,
+                rays: &Rays,
+                streams: &BlockStreams,
+            ) -> PreparedRays {
+                // SAFETY: as above.
+                unsafe {
+                    match order {
+                        Some(o) => block::load_block::<L, true>(batch, range, o, rays, streams),
+                        None => block::load_block::<L, false>(batch, range, &[], rays, streams),
+                    }
+                }
+            }
+
+            $(#[$feature])?
+            unsafe fn bound_groups(rays: &Rays, groups: &Groups, len: usize) {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { groups::bound_groups::<L, SHARED, SPECIAL>(rays, groups, len) }
+                })
+            }
+
+            $(#[$feature])?
+            unsafe fn filter_groups(
+                rays: &Rays,
+                groups: &Groups,
+                entries: &[Entry],
+                boxes: [&Aabb; 2],
+                to: [*mut Entry; 2],
+            ) -> [usize; 2] {
+                // SAFETY: as above.
+                unsafe {
+                    match rays.shared_origin {
+                        Some(_) => groups::filter_groups::<L, true>(rays, groups, entries, boxes, to),
+                        None => groups::filter_groups::<L, false>(rays, groups, entries, boxes, to),
+                    }
+                }
+            }
+
+            $(#[$feature])?
+            unsafe fn rays_of_groups(
+                rays: &Rays,
+                entries: &[Entry],
+                bounds: &Aabb,
+                to: *mut Entry,
+            ) -> (usize, usize) {
+                by_batch!(rays, |SHARED, SPECIAL| {
+                    // SAFETY: as above.
+                    unsafe { groups::rays_of_groups::<L, SHARED, SPECIAL>(rays, entries, bounds, to) }
+                })
+            }
+
+            $(#[$feature])?
+            unsafe fn flush_groups(rays: &Rays, entries: &[Entry], place: usize) -> usize {
+                // SAFETY: as above.
+                unsafe {
+                    match rays.shared_origin {
+                        Some(_) => groups::flush_groups::<L, true>(rays, entries, place),
+                        None => groups::flush_groups::<L, false>(rays, entries, place),
+                    }
+                }
+            }
+
+            $(#[$feature])?
+            unsafe fn refresh_groups(rays: &Rays, groups: &Groups, entries: &[Entry]) {
+                // SAFETY: as above.
+                unsafe { groups::refresh_groups::<L>(rays, groups, entries) }
+            }
+
+            $(#[$feature])?
+            unsafe fn naive_in_order(
+                rays: &Rays,
+                ordered: &Ordered,
+                entries: &[Entry],
+                triangles: &[Triangle],
+                kept: &[Prepared],
+            ) {
+                let (mut list, triangles) = (InOrder { rays, ordered, entries }, Kept { triangles, kept });
+                by_batch!(rays, |SHARED, USUAL| {
+                    // SAFETY: as above.
+                    unsafe {
+                        by_record!(rays, USUAL, |Record, SPECIAL, ANY| {
+                            naive::naive::<L, Record, SHARED, SPECIAL, ANY>(&mut list, triangles)
+                        })
+                    }
+                });
+            }
+
+            $(#[$feature])?
+            unsafe fn naive_kept(
+                rays: &Rays,
+                list: List,
+                triangles: &[Triangle],
+                kept: &[Prepared],
+            ) {
+                let (mut list, triangles) = (Copied { rays, list }, Kept { triangles, kept });
+                by_batch!(rays, |SHARED, USUAL| {
+                    // SAFETY: as above.
+                    unsafe {
+                        by_record!(rays, USUAL, |Record, SPECIAL, ANY| {
+                            naive::naive::<L, Record, SHARED, SPECIAL, ANY>(&mut list, triangles)
+                        })
+                    }
+                });
+            }
+
+            $(#[$feature])?
+            unsafe fn prepare_leaf(
+                rays: &Rays,
+                triangles: &[Triangle],
+                items: &[Item],
+                to: &mut [Prepared],
+            ) {
+                let mut list = Items { triangles, items };
+                // SAFETY: as above.
+                unsafe {
+                    match rays.precision {
+                        Precision::Fast => TriangleList::<L>::prepare::<Fast>(&mut list, 0, to, rays.shared_origin),
+                        _ => TriangleList::<L>::prepare::<Exact>(&mut list, 0, to, rays.shared_origin),
+                    }
+                }
+            }
+
+            $(#[$feature])?
+            unsafe fn prefetch(p: *const f32, bytes: usize) {
+                for line in 0..bytes.div_ceil(64) {
+                    // SAFETY: as above; the address may be any.
+                    unsafe { <L as Lanes>::prefetch(p.wrapping_add(16 * line)) }
+                }
+            }
+
+            $(#[$feature])?
+            unsafe fn count_cells(items: &[Item], grid: &Grid, cells: &mut [u32], counts: &mut [u32]) {
+                clusters::count_cells(items, grid, cells, counts)
+            }
+
+            $(#[$feature])?
+            unsafe fn scatter(
+                items: &[Item],
+                cells: &[u32],
+                places: &mut [u32],
+                boxes: &mut [BinBox],
+                to: *mut Item,
+            ) {
+                // SAFETY: as above.
+                unsafe { clusters::scatter::<L>(items, cells, places, boxes, to) }
             }
 
             $(#[$feature])?
@@ -354,12 +557,13 @@ macro_rules! shells {
             $(#[$feature])?
             unsafe fn round_hits(
                 batch: &Batch,
+                from: usize,
                 triangles: &[Triangle],
                 prim: &[u32],
                 t: &mut [f32],
             ) {
                 // SAFETY: as above.
-                unsafe { exact::round_hits::<L>(batch, triangles, prim, t) }
+                unsafe { exact::round_hits::<L>(batch, from, triangles, prim, t) }
             }
         }
     };

@@ -106,11 +106,7 @@ impl<L: Lanes> SlabBox<L> {
                     far = L::select(L::and(unbounded, outside), empty, far);
                 }
             }
-            let underflow = L::splat(UNDERFLOW);
-            (
-                L::mul_sub(near, L::splat(SHRINK), underflow),
-                L::mul_add(far, L::splat(GROW), underflow),
-            )
+            padded::<L>(near, far)
         }
     }
 
@@ -151,6 +147,22 @@ impl<L: Lanes> SlabBox<L> {
             }
             L::mul_sub(exit, L::splat(SHRINK), L::splat(UNDERFLOW))
         }
+    }
+}
+
+/// A slab interval widened by [`PADDING`].
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
+#[inline(always)]
+pub(super) unsafe fn padded<L: Lanes>(near: L::F, far: L::F) -> (L::F, L::F) {
+    // SAFETY: as promised.
+    unsafe {
+        let underflow = L::splat(UNDERFLOW);
+        (
+            L::mul_sub(near, L::splat(SHRINK), underflow),
+            L::mul_add(far, L::splat(GROW), underflow),
+        )
     }
 }
 

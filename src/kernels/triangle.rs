@@ -12,32 +12,30 @@ use super::certain;
 use super::naive::{RayVector, Record};
 use super::slab::SlabBox;
 use crate::geometry::Aabb;
-use crate::simd::{Lanes, MAX_LANES};
+use crate::simd::{Lanes, MAX_LANES, splat3};
 use glam::Vec3;
 
-/// Triangles of a chunk.
+/// Triangles that are prepared at a time.
 pub(crate) const CHUNK: usize = MAX_LANES;
 
-/// One number a triangle.
-type Numbers = [f32; CHUNK];
-
-/// What the kernel needs of up to [`CHUNK`] triangles.
-#[repr(C, align(64))]
-pub(crate) struct Chunk {
+/// What the kernel needs of a triangle.
+#[derive(Clone, Copy)]
+#[repr(C, align(16))]
+pub(crate) struct Prepared {
     /// Unnormalised normal; where the origin is shared, towards the side that rays leave on.
-    n: [Numbers; 3],
-    /// Factor of U: e2, or e2 × C where the origin is shared.
-    u: [Numbers; 3],
-    /// Factor of V: e1, or e1 × C.
-    v: [Numbers; 3],
-    /// First corner; where the origin is shared, |N·C| in the first place, |C| in the second.
-    a: [Numbers; 3],
-    /// The boxes.
-    lo: [Numbers; 3],
-    hi: [Numbers; 3],
+    n: [f32; 3],
     /// No edge is longer; infinite where [`certain`](super::certain) has no bounds.
-    size: Numbers,
-    pub prim: [u32; CHUNK],
+    pub size: f32,
+    /// Factor of U: e2, or e2 × C where the origin is shared.
+    u: [f32; 3],
+    pub prim: u32,
+    /// Factor of V: e1, or e1 × C.
+    v: [f32; 3],
+    /// First corner; where the origin is shared, |N·C| in the first place, |C| in the second.
+    a: [f32; 3],
+    /// The box.
+    lo: [f32; 3],
+    hi: [f32; 3],
 }
 
 /// Triangles, a lane each: corners and box.
@@ -59,137 +57,118 @@ pub(crate) struct Edges<L: Lanes> {
     pub den: L::F,
 }
 
-impl Chunk {
-    pub const ZERO: Chunk = Chunk {
-        n: [[0.0; CHUNK]; 3],
-        u: [[0.0; CHUNK]; 3],
-        v: [[0.0; CHUNK]; 3],
-        a: [[0.0; CHUNK]; 3],
-        lo: [[0.0; CHUNK]; 3],
-        hi: [[0.0; CHUNK]; 3],
-        size: [0.0; CHUNK],
-        prim: [0; CHUNK],
+impl Prepared {
+    pub const ZERO: Prepared = Prepared {
+        n: [0.0; 3],
+        size: 0.0,
+        u: [0.0; 3],
+        prim: 0,
+        v: [0.0; 3],
+        a: [0.0; 3],
+        lo: [0.0; 3],
+        hi: [0.0; 3],
     };
 
-    /// Makes the constants of `L::N` triangles from place `at` on, folding a shared origin in if
-    /// there is one; what only bounds need if the precision has them. Cross products are not fused: exactly zero
-    /// for parallel edges of equal length.
+    /// Makes the constants of up to `L::N` triangles, folding a shared origin in if there is one; what
+    /// only bounds need if the precision has them. Cross products are not fused: exactly zero for
+    /// parallel edges of equal length.
     ///
     /// # Safety
-    /// The processor has `L`'s instruction set; `at` is a multiple of `L::N` below [`CHUNK`].
+    /// The processor has `L`'s instruction set.
     #[inline(always)]
     pub unsafe fn prepare<L: Lanes, R: Record<L>>(
-        &mut self,
-        at: usize,
+        to: &mut [Prepared],
         corners: &Corners<L>,
+        prim: L::U,
         shared_origin: Option<Vec3>,
     ) {
-        // SAFETY: as promised.
+        // SAFETY: as promised; vectors of `L::N` records of four are within the rows.
         unsafe {
             let Corners { a, b, c, lo, hi } = corners;
             let (e1, e2) = (sub3::<L>(a, b), sub3::<L>(c, a));
             let n = cross3::<L>(&e2, &e1);
-            store3::<L>(&mut self.lo, at, lo);
-            store3::<L>(&mut self.hi, at, hi);
-            let mut size = L::splat(0.0);
+            let zero = L::splat(0.0);
+            let mut size = zero;
             if R::BOUNDED {
                 let extent = sub3::<L>(hi, lo);
                 size = certain::if_ordinary::<L>(L::sqrt(dot::<L>(&extent, &extent)));
             }
-            match shared_origin {
-                None => {
-                    store3::<L>(&mut self.n, at, &n);
-                    store3::<L>(&mut self.u, at, &e2);
-                    store3::<L>(&mut self.v, at, &e1);
-                    store3::<L>(&mut self.a, at, a);
-                }
-                Some(o) => {
-                    let o = [L::splat(o.x), L::splat(o.y), L::splat(o.z)];
-                    let c = sub3::<L>(a, &o);
-                    let xy = L::add(L::mul(n[0], c[0]), L::mul(n[1], c[1]));
-                    let nc = L::add(xy, L::mul(n[2], c[2]));
-                    // Hits have t > 0, so N·d has the sign of N·C. With that sign taken from all of
-                    // them, which changes no rounding, a hit has N·d, U and V of no sign.
-                    store3::<L>(&mut self.n, at, &flip3::<L>(&n, nc));
-                    store3::<L>(&mut self.u, at, &flip3::<L>(&cross3::<L>(&e2, &c), nc));
-                    store3::<L>(&mut self.v, at, &flip3::<L>(&cross3::<L>(&e1, &c), nc));
-                    L::store(self.a[0].as_mut_ptr().add(at), L::abs(nc));
-                    if R::BOUNDED {
-                        let distance = L::sqrt(dot::<L>(&c, &c));
-                        L::store(self.a[1].as_mut_ptr().add(at), distance);
-                        size = certain::if_sided::<L>(size, distance, L::abs(nc));
-                    }
+            let (mut n, mut u, mut v, mut a) = (n, e2, e1, *a);
+            if let Some(o) = shared_origin {
+                let o = [L::splat(o.x), L::splat(o.y), L::splat(o.z)];
+                let c = sub3::<L>(&a, &o);
+                let xy = L::add(L::mul(n[0], c[0]), L::mul(n[1], c[1]));
+                let nc = L::add(xy, L::mul(n[2], c[2]));
+                // Hits have t > 0, so N·d has the sign of N·C. With that sign taken from all of
+                // them, which changes no rounding, a hit has N·d, U and V of no sign.
+                n = flip3::<L>(&n, nc);
+                u = flip3::<L>(&cross3::<L>(&e2, &c), nc);
+                v = flip3::<L>(&cross3::<L>(&e1, &c), nc);
+                a = [L::abs(nc), zero, zero];
+                if R::BOUNDED {
+                    let distance = L::sqrt(dot::<L>(&c, &c));
+                    a[1] = distance;
+                    size = certain::if_sided::<L>(size, distance, L::abs(nc));
                 }
             }
-            if R::BOUNDED {
-                L::store(self.size.as_mut_ptr().add(at), size);
+            let mut rows = [[[0f32; 4]; MAX_LANES]; 5];
+            L::store4(rows[0].as_mut_ptr(), [n[0], n[1], n[2], size]);
+            L::store4(rows[1].as_mut_ptr(), [u[0], u[1], u[2], L::from_bits(prim)]);
+            L::store4(rows[2].as_mut_ptr(), [v[0], v[1], v[2], a[0]]);
+            L::store4(rows[3].as_mut_ptr(), [a[1], a[2], lo[0], lo[1]]);
+            L::store4(rows[4].as_mut_ptr(), [lo[2], hi[0], hi[1], hi[2]]);
+            for (j, to) in to.iter_mut().take(L::N).enumerate() {
+                let to: *mut [[f32; 4]; 5] = std::ptr::from_mut(to).cast();
+                to.write([rows[0][j], rows[1][j], rows[2][j], rows[3][j], rows[4][j]]);
             }
         }
     }
 
-    /// No edge of triangle `j` is longer; infinite if there are no bounds for it.
-    pub fn size(&self, j: usize) -> f32 {
-        self.size[j]
-    }
-
-    /// How far triangle `j`'s first corner is from the origins of rays.
+    /// How far the first corner is from the origins of rays.
     ///
     /// # Safety
-    /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
+    /// The processor has `L`'s instruction set.
     #[inline(always)]
-    pub unsafe fn distance<L: Lanes, const SHARED: bool>(
-        &self,
-        j: usize,
-        origin: &[L::F; 3],
-    ) -> L::F {
+    pub unsafe fn distance<L: Lanes, const SHARED: bool>(&self, origin: &[L::F; 3]) -> L::F {
         // SAFETY: as promised.
         unsafe {
             if SHARED {
-                L::splat(*self.a[1].get_unchecked(j))
+                L::splat(self.a[1])
             } else {
-                let c = sub3::<L>(&splat3::<L>(&self.a, j), origin);
+                let c = sub3::<L>(&splat3::<L>(&self.a), origin);
                 L::sqrt(dot::<L>(&c, &c))
             }
         }
     }
 
-    fn bounds(&self, j: usize) -> Aabb {
-        let corner = |of: &[Numbers; 3]| Vec3::new(of[0][j], of[1][j], of[2][j]);
-        Aabb {
-            min: corner(&self.lo),
-            max: corner(&self.hi),
-        }
-    }
-
     /// U, V, and numerator and denominator of t, with the sign that makes U, V and the denominator
-    /// positive where triangle `j` is hit.
+    /// positive where the triangle is hit.
     ///
     /// # Safety
-    /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
+    /// The processor has `L`'s instruction set.
     #[inline(always)]
     pub unsafe fn edges<L: Lanes, const SHARED: bool>(
         &self,
-        j: usize,
         origin: &[L::F; 3],
         direction: &[L::F; 3],
     ) -> Edges<L> {
         // SAFETY: as promised.
         unsafe {
-            let n = splat3::<L>(&self.n, j);
+            let n = splat3::<L>(&self.n);
             let den = dot::<L>(&n, direction);
             if SHARED {
                 Edges {
-                    u: dot::<L>(&splat3::<L>(&self.u, j), direction),
-                    v: dot::<L>(&splat3::<L>(&self.v, j), direction),
-                    num: L::splat(*self.a[0].get_unchecked(j)),
+                    u: dot::<L>(&splat3::<L>(&self.u), direction),
+                    v: dot::<L>(&splat3::<L>(&self.v), direction),
+                    num: L::splat(self.a[0]),
                     den,
                 }
             } else {
-                let a = splat3::<L>(&self.a, j);
+                let a = splat3::<L>(&self.a);
                 let c = sub3::<L>(&a, origin);
                 let r = cross_lanes::<L>(&c, direction);
-                let u = dot::<L>(&splat3::<L>(&self.u, j), &r);
-                let v = dot::<L>(&splat3::<L>(&self.v, j), &r);
+                let u = dot::<L>(&splat3::<L>(&self.u), &r);
+                let v = dot::<L>(&splat3::<L>(&self.v), &r);
                 Edges {
                     u: L::flip_sign(u, den),
                     v: L::flip_sign(v, den),
@@ -200,20 +179,23 @@ impl Chunk {
         }
     }
 
-    /// The padded slab interval of triangle `j`'s own box.
+    /// The padded slab interval of the triangle's own box.
     ///
     /// # Safety
-    /// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
+    /// The processor has `L`'s instruction set.
     #[inline(always)]
     pub unsafe fn clip<L: Lanes, const SHARED: bool, const SPECIAL: bool>(
         &self,
-        j: usize,
         v: &RayVector<L>,
         shared_origin: Option<Vec3>,
     ) -> (L::F, L::F) {
+        let bounds = Aabb {
+            min: self.lo.into(),
+            max: self.hi.into(),
+        };
         // SAFETY: as promised.
         unsafe {
-            let slabs = SlabBox::<L>::new(&self.bounds(j), shared_origin);
+            let slabs = SlabBox::<L>::new(&bounds, shared_origin);
             slabs.interval::<SHARED, SPECIAL>(&v.inverse, &v.origin, v.tmin)
         }
     }
@@ -233,30 +215,6 @@ impl<L: Lanes> Edges<L> {
             let inside = L::and(L::le(zero, self.u), L::le(zero, self.v));
             L::and(inside, L::le(L::add(self.u, self.v), self.den))
         }
-    }
-}
-
-/// # Safety
-/// The processor has `L`'s instruction set; `j` is below [`CHUNK`].
-#[inline(always)]
-unsafe fn splat3<L: Lanes>(of: &[Numbers; 3], j: usize) -> [L::F; 3] {
-    // SAFETY: as promised.
-    unsafe {
-        [
-            L::splat(*of[0].get_unchecked(j)),
-            L::splat(*of[1].get_unchecked(j)),
-            L::splat(*of[2].get_unchecked(j)),
-        ]
-    }
-}
-
-/// # Safety
-/// As for [`Chunk::prepare`].
-#[inline(always)]
-unsafe fn store3<L: Lanes>(to: &mut [Numbers; 3], at: usize, v: &[L::F; 3]) {
-    for (to, &v) in to.iter_mut().zip(v) {
-        // SAFETY: as promised.
-        unsafe { L::store(to.as_mut_ptr().add(at), v) }
     }
 }
 

@@ -11,8 +11,9 @@
 //! boxes must be larger by as much, and from afar the mesh that is hit is another one.
 
 use super::certain::{self, Said, WITHIN};
-use super::naive::{Best, Candidate, RayList, RayVector, Record, TriangleList};
+use super::naive::{Best, RayList, RayVector, Record, TriangleList};
 use super::open::OpenLanes;
+use super::triangle::Prepared;
 use crate::simd::{Lanes, MAX_LANES, lanes_of_bits};
 
 /// Precision `watertight`.
@@ -30,21 +31,21 @@ impl<L: Lanes> Record<L> for Watertight {
     }
 
     #[inline(always)]
-    unsafe fn may_hit<const SHARED: bool>(of: Candidate, v: &RayVector<L>, margin: L::F) -> L::M {
+    unsafe fn may_hit<const SHARED: bool>(of: &Prepared, v: &RayVector<L>, margin: L::F) -> L::M {
         // SAFETY: as promised.
         unsafe { certain::may_hit::<L, SHARED>(of, v, margin) }
     }
 
     #[inline(always)]
     unsafe fn hit<const SHARED: bool, const SPECIAL: bool, const ANY: bool>(
-        of: Candidate,
+        of: &Prepared,
         v: &RayVector<L>,
         margin: L::F,
         best: &mut Best<L>,
         rays: &impl RayList<L>,
         triangles: &impl TriangleList<L>,
     ) {
-        let prim = of.chunk.prim[of.j];
+        let prim = of.prim;
         // SAFETY: as promised.
         unsafe {
             let Said { sure, open, t, .. } = certain::say::<L, SHARED>(of, v, margin, best.t);
@@ -64,7 +65,7 @@ impl<L: Lanes> Record<L> for Watertight {
 
             if L::bits(hit) != 0 {
                 let shared = rays.shared_origin();
-                let (near, far) = of.chunk.clip::<L, SHARED, SPECIAL>(of.j, v, shared);
+                let (near, far) = of.clip::<L, SHARED, SPECIAL>(v, shared);
                 best.take::<ANY>(hit, L::max(near, L::min(t, far)), prim);
             }
             let mut bits = L::bits(open);

@@ -48,3 +48,17 @@ pub struct Counters {
     /// The most records that lists of active rays took at a time.
     pub peak_list: u64,
 }
+
+impl Counters {
+    /// Adds those of another part of the trace.
+    pub(super) fn add(&mut self, other: &Counters) {
+        self.nodes += other.nodes;
+        self.leaves += other.leaves;
+        self.ray_box += other.ray_box;
+        self.group_box += other.group_box;
+        self.ray_triangle += other.ray_triangle;
+        self.binned_triangles += other.binned_triangles;
+        self.sample_box += other.sample_box;
+        self.peak_list = self.peak_list.max(other.peak_list);
+    }
+}

@@ -32,12 +32,12 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// In precision `exact`, gives all hits the t of exact arithmetic, rounded once.
-    pub fn round(&self, hits: &mut Hits) {
+    /// In precision `exact`, gives the hits of rays `from` and up the t of exact arithmetic, rounded once.
+    pub fn round(&self, from: usize, prim: &[u32], t: &mut [f32]) {
         if self.precision == Precision::Exact {
             let triangles = self.mesh.triangles();
             // SAFETY: the processor was checked.
-            unsafe { (self.kernels.round_hits)(self.batch, triangles, &hits.prim, &mut hits.t) }
+            unsafe { (self.kernels.round_hits)(self.batch, from, triangles, prim, t) }
         }
     }
 }

@@ -1,7 +1,7 @@
-//! The presets that the papers' names stand for.
+//! The presets: what the papers' names stand for, and the best of all.
 
 use super::object::{COMMON, SAMPLING};
-use super::{ObjectParameters, Parameters, SpaceParameters};
+use super::{BestParameters, ObjectParameters, Parameters, SpaceParameters, best};
 use std::fmt;
 use std::str::FromStr;
 
@@ -21,16 +21,19 @@ pub enum Method {
     Mora2011Cones,
     /// Cells and rays in no order: Mora 2011, section 3.4.
     Mora2011Random,
+    /// Groups of rays, rays in order, clusters of triangles, splits that are kept: all that pays.
+    Best,
 }
 
 impl Method {
     /// All methods, the baseline first.
-    pub const ALL: [Method; 5] = [
+    pub const ALL: [Method; 6] = [
         Method::Afra2012,
         Method::Nabata2013,
         Method::Mora2011,
         Method::Mora2011Cones,
         Method::Mora2011Random,
+        Method::Best,
     ];
 
     /// The name used on the command line and in results.
@@ -41,6 +44,7 @@ impl Method {
             Method::Mora2011 => "mora2011",
             Method::Mora2011Cones => "mora2011-cones",
             Method::Mora2011Random => "mora2011-random",
+            Method::Best => "best",
         }
     }
 
@@ -52,6 +56,7 @@ impl Method {
             Method::Mora2011 => Parameters::Space(SpaceParameters::MORA2011),
             Method::Mora2011Cones => Parameters::Space(SpaceParameters::MORA2011_CONES),
             Method::Mora2011Random => Parameters::Space(SpaceParameters::MORA2011_RANDOM),
+            Method::Best => Parameters::Best(BestParameters::BEST),
         }
     }
 
@@ -63,6 +68,7 @@ impl Method {
         match self {
             Method::Afra2012 => object || parameter == "sah_ratio",
             Method::Nabata2013 => object || SAMPLING.contains(&parameter),
+            Method::Best => best::FIELDS.contains(&parameter),
             Method::Mora2011 => space && !CONES.contains(&parameter),
             Method::Mora2011Cones => space,
             Method::Mora2011Random => {

@@ -1,6 +1,7 @@
 //! The methods: presets of two divide-and-conquer algorithms, one that splits lists of triangles and
 //! one that splits space.
 
+mod best;
 mod counters;
 mod job;
 mod method;
@@ -12,6 +13,7 @@ mod tracer;
 mod watch;
 mod workspace;
 
+pub use best::{BestParameters, Sort};
 pub use counters::Counters;
 pub use job::Trace;
 pub use method::{Method, UnknownMethod};

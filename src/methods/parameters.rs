@@ -3,10 +3,10 @@
 //! Every technique is a switch, and so is every place where a paper is silent; the doc comment of
 //! each field says which section it comes from and what its default is.
 
-use super::{ObjectParameters, SpaceParameters};
+use super::{BestParameters, ObjectParameters, SpaceParameters};
 use serde::Serialize;
 
-/// Parameters of one of the two families of methods. As JSON, the names of the fields.
+/// Parameters of one of the families of methods. As JSON, the names of the fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Parameters {
@@ -14,6 +14,8 @@ pub enum Parameters {
     Object(ObjectParameters),
     /// Space is split into two cells: Mora 2011.
     Space(SpaceParameters),
+    /// All that pays.
+    Best(BestParameters),
 }
 
 impl From<ObjectParameters> for Parameters {
@@ -25,6 +27,12 @@ impl From<ObjectParameters> for Parameters {
 impl From<SpaceParameters> for Parameters {
     fn from(parameters: SpaceParameters) -> Parameters {
         Parameters::Space(parameters)
+    }
+}
+
+impl From<BestParameters> for Parameters {
+    fn from(parameters: BestParameters) -> Parameters {
+        Parameters::Best(parameters)
     }
 }
 
@@ -63,6 +71,7 @@ impl Parameters {
         match self {
             Parameters::Object(parameters) => parameters.check(),
             Parameters::Space(parameters) => parameters.check(),
+            Parameters::Best(parameters) => parameters.check(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::job::{Answer, Job, Trace};
 use super::watch::{Step, Watch};
 use super::workspace::Memory;
-use super::{Parameters, Precision, Workspace, object, space};
+use super::{Parameters, Precision, Workspace, best, object, space};
 use crate::geometry::Mesh;
 use crate::kernels::{Kernels, OneRay};
 use crate::rays::{Batch, Hits};
@@ -21,6 +21,7 @@ pub struct Tracer {
     seed: u64,
     audit: bool,
     own_origins: bool,
+    threads: usize,
 }
 
 impl Tracer {
@@ -40,6 +41,7 @@ impl Tracer {
             seed: 0,
             audit: false,
             own_origins: false,
+            threads: 1,
         }
     }
 
@@ -48,7 +50,7 @@ impl Tracer {
     /// # Panics
     /// If there are more than 10⁹ rays.
     pub fn workspace(&self, rays: usize, triangles: usize) -> Workspace {
-        Workspace::new(&self.parameters, rays, triangles)
+        Workspace::for_threads(&self.parameters, rays, triangles, self.threads)
     }
 
     /// With another instruction set. The hits and counters stay the same.
@@ -58,6 +60,15 @@ impl Tracer {
     pub fn with_isa(self, isa: Isa) -> Tracer {
         assert!(isa.is_available(), "this processor has no {isa}");
         Tracer { isa, ..self }
+    }
+
+    /// With so many threads, at least 1, which only `best` has use for. The hits stay the same, the counters
+    /// do not quite.
+    pub fn with_threads(self, threads: usize) -> Tracer {
+        Tracer {
+            threads: threads.max(1),
+            ..self
+        }
     }
 
     /// With another precision, which the hits depend on.
@@ -90,7 +101,7 @@ impl Tracer {
     /// Allocates nothing.
     ///
     /// # Panics
-    /// If the workspace is too small for the batch or the mesh, or for another kind of method, or `hits` has another length than
+    /// If the workspace is too small for the batch, the mesh or the threads, or for another kind of method, or `hits` has another length than
     /// the batch.
     pub fn nearest(
         &self,
@@ -110,7 +121,7 @@ impl Tracer {
     /// Allocates nothing.
     ///
     /// # Panics
-    /// If the workspace is too small for the batch or the mesh, or for another kind of method, or `occluded` has another length
+    /// If the workspace is too small for the batch, the mesh or the threads, or for another kind of method, or `occluded` has another length
     /// than the batch.
     pub fn any(
         &self,
@@ -177,7 +188,7 @@ impl Tracer {
             lengths.into_iter().all(|v| v.len() == n),
             "streams of one length"
         );
-        let memory = workspace.memory(n, mesh.len());
+        let memory = workspace.memory(n, mesh.len(), self.threads);
         let kernels = Kernels::of(self.isa);
         let job = Job {
             kernels,
@@ -208,6 +219,9 @@ impl Tracer {
             }
             (Parameters::Space(p), Memory::Space(memory)) => {
                 space::trace(&job, p, memory, answer, watch.as_mut())
+            }
+            (Parameters::Best(p), Memory::Best(memory)) => {
+                best::trace(&job, p, memory, self.threads, answer, watch.as_mut())
             }
             _ => panic!("the workspace is for another kind of method"),
         };

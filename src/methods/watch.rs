@@ -42,6 +42,10 @@ pub enum Event {
     KeptWithCone,
     /// Its cone does not meet the box.
     RejectedWithCone,
+    /// It goes on with its group (`best`).
+    KeptWithGroup,
+    /// Its group does not meet the box, or each of its rays hits something nearer.
+    RejectedWithGroup,
     /// The ray meets the cell, in which there is no triangle.
     Empty,
     /// The naive step: all triangles of the leaf.

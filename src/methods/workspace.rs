@@ -1,6 +1,6 @@
 //! All memory of a trace, made beforehand.
 
-use super::{Parameters, object, space};
+use super::{Parameters, best, object, space};
 
 /// Memory for traces of up to a number of rays and triangles; reused from trace to trace. A trace
 /// allocates nothing beyond it.
@@ -12,11 +12,13 @@ pub struct Workspace {
     memory: Memory,
     rays: usize,
     triangles: usize,
+    threads: usize,
 }
 
 pub(super) enum Memory {
     Object(object::Memory),
     Space(space::Memory),
+    Best(best::Memory),
 }
 
 impl Workspace {
@@ -26,24 +28,42 @@ impl Workspace {
     /// # Panics
     /// If there are more than 10⁹ rays.
     pub fn new(parameters: &Parameters, rays: usize, triangles: usize) -> Workspace {
+        Workspace::for_threads(parameters, rays, triangles, 1)
+    }
+
+    /// As [`Workspace::new`], for traces with up to so many threads; at least 1. Only `best` has use for
+    /// more than one.
+    ///
+    /// # Panics
+    /// If there are more than 10⁹ rays, or, for `best`, more than 2²⁹ triangles.
+    pub fn for_threads(
+        parameters: &Parameters,
+        rays: usize,
+        triangles: usize,
+        threads: usize,
+    ) -> Workspace {
         // Gathers take places of records, of which there are twice as many, as signed 32-bit numbers.
         assert!(rays <= 1_000_000_000, "a batch has at most 10^9 rays");
         let memory = match parameters {
             Parameters::Object(_) => Memory::Object(object::Memory::new(rays, triangles)),
             Parameters::Space(_) => Memory::Space(space::Memory::new(rays, triangles)),
+            Parameters::Best(_) => Memory::Best(best::Memory::new(rays, triangles, threads.max(1))),
         };
         Workspace {
             memory,
             rays,
             triangles,
+            threads: threads.max(1),
         }
     }
 
-    /// Whether it can be used with these parameters, for so many rays and triangles.
+    /// Whether it can be used with these parameters, for so many rays and triangles, by one thread.
     pub fn suits(&self, parameters: &Parameters, rays: usize, triangles: usize) -> bool {
         let same_family = matches!(
             (parameters, &self.memory),
-            (Parameters::Object(_), Memory::Object(_)) | (Parameters::Space(_), Memory::Space(_))
+            (Parameters::Object(_), Memory::Object(_))
+                | (Parameters::Space(_), Memory::Space(_))
+                | (Parameters::Best(_), Memory::Best(_))
         );
         same_family && rays <= self.rays && triangles <= self.triangles
     }
@@ -53,6 +73,7 @@ impl Workspace {
         match self.memory {
             Memory::Object(_) => object::Memory::bytes(self.rays, self.triangles),
             Memory::Space(_) => space::Memory::bytes(self.rays, self.triangles),
+            Memory::Best(_) => best::Memory::bytes(self.rays, self.triangles, self.threads),
         }
     }
 
@@ -66,15 +87,21 @@ impl Workspace {
     /// t and best triangle; the paper has 4 and 32, which would take three divisions a ray/box test
     /// and t and triangle from elsewhere); 28 for each cone, of which there may be one in 8
     /// rays; 8 for 64 termination bits; and what it is for none.
-    pub fn bytes_for(parameters: &Parameters, rays: usize, triangles: usize) -> usize {
+    pub fn bytes_for(
+        parameters: &Parameters,
+        rays: usize,
+        triangles: usize,
+        threads: usize,
+    ) -> usize {
         match parameters {
             Parameters::Object(_) => object::Memory::bytes(rays, triangles),
             Parameters::Space(_) => space::Memory::bytes(rays, triangles),
+            Parameters::Best(_) => best::Memory::bytes(rays, triangles, threads),
         }
     }
 
     /// The memory, if there is enough of it.
-    pub(super) fn memory(&mut self, rays: usize, triangles: usize) -> &mut Memory {
+    pub(super) fn memory(&mut self, rays: usize, triangles: usize, threads: usize) -> &mut Memory {
         assert!(
             rays <= self.rays,
             "the workspace is too small for {rays} rays"
@@ -82,6 +109,10 @@ impl Workspace {
         assert!(
             triangles <= self.triangles,
             "the workspace is too small for {triangles} triangles"
+        );
+        assert!(
+            threads <= self.threads || !matches!(self.memory, Memory::Best(_)),
+            "the workspace is too small for {threads} threads"
         );
         &mut self.memory
     }

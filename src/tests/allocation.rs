@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{finest_space, random_rays, soup, space_presets};
+use common::{finest_best, finest_space, random_rays, soup, space_presets};
 use dacrt::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -72,6 +72,7 @@ fn all_parameters() -> Vec<Parameters> {
     };
     let mut all = Vec::from(Method::ALL.map(Method::parameters));
     all.push(sampling.into());
+    all.extend(finest_best().map(Parameters::from));
     for preset in space_presets().into_iter().chain(finest_space()) {
         let switched = SpaceParameters {
             estimate_from: 0,
@@ -123,7 +124,7 @@ fn a_workspace_allocates_the_bytes_that_it_says() {
             let at = format!("{rays} rays, {triangles} triangles, {parameters:?}");
             assert_eq!(workspace.bytes(), bytes, "{at}");
             assert_eq!(
-                Workspace::bytes_for(&parameters, rays, triangles),
+                Workspace::bytes_for(&parameters, rays, triangles, 1),
                 bytes,
                 "{at}"
             );
@@ -144,11 +145,11 @@ fn a_workspace_is_linear_in_rays_and_triangles() {
         (Method::Mora2011, space, 500..1000),
     ] {
         let parameters = method.parameters();
-        let constant = Workspace::bytes_for(&parameters, 0, 0);
+        let constant = Workspace::bytes_for(&parameters, 0, 0, 1);
         assert!(constants.contains(&constant), "{method}: {constant}");
         let check = |rays, triangles| {
             assert_eq!(
-                Workspace::bytes_for(&parameters, rays, triangles),
+                Workspace::bytes_for(&parameters, rays, triangles, 1),
                 formula(rays, triangles) + constant,
                 "{method}: {rays} rays, {triangles} triangles"
             );
@@ -165,12 +166,16 @@ fn a_workspace_is_linear_in_rays_and_triangles() {
 
 #[test]
 fn methods_of_one_family_share_workspaces() {
-    let object = [Method::Afra2012, Method::Nabata2013];
+    let family = |method: Method| match method {
+        Method::Afra2012 | Method::Nabata2013 => 0,
+        Method::Best => 2,
+        _ => 1,
+    };
     for made_for in Method::ALL {
         let workspace = Workspace::new(&made_for.parameters(), 100, 30);
         for used_for in Method::ALL {
             let parameters = used_for.parameters();
-            let same_family = object.contains(&made_for) == object.contains(&used_for);
+            let same_family = family(made_for) == family(used_for);
             assert_eq!(
                 workspace.suits(&parameters, 100, 30),
                 same_family,

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{bits, brute_force, finest_object, finest_space, random_rays, soup};
+use common::{bits, brute_force, finest_best, finest_object, finest_space, random_rays, soup};
 use dacrt::*;
 use glam::Vec3;
 
@@ -39,11 +39,13 @@ fn all_parameters() -> Vec<Parameters> {
         };
         switched.into()
     };
+    let [groups, rays, both] = finest_best();
     let mut all = vec![nabata.into(), object(nabata), cones.into(), space(random)];
+    all.push(both.into());
     // What is left reaches no other kernel: not in Miri, which is a thousand times as slow.
     if !cfg!(miri) {
         all.extend([afra.into(), object(afra), basic.into(), space(basic)]);
-        all.extend([space(cones), random.into()]);
+        all.extend([space(cones), random.into(), groups.into(), rays.into()]);
         all.extend(Method::ALL.map(Method::parameters));
     }
     all
@@ -65,7 +67,7 @@ fn check(mesh: &Mesh, batch: &Batch, own_origins: bool, parameters: &[Parameters
     let mut hits = Hits::misses(batch.len());
     let mut any = vec![7; batch.len()];
     // One for each family, for in Miri their making takes longer than a trace.
-    let mut workspaces = [Method::Nabata2013, Method::Mora2011]
+    let mut workspaces = [Method::Nabata2013, Method::Mora2011, Method::Best]
         .map(|method| Workspace::new(&method.parameters(), batch.len(), mesh.len()));
     for precision in Precision::ALL {
         let mut expected: Option<Hits> = None;
@@ -103,10 +105,11 @@ fn every_kind_of_batch() {
     };
     for (n, triangles) in sizes {
         for (shared, own_origins) in [(false, false), (true, false), (true, true)] {
-            if cfg!(miri) && own_origins {
-                continue;
-            }
             for special in [false, true] {
+                // Each const parameter of the kernels once.
+                if cfg!(miri) && (own_origins || shared == special) {
+                    continue;
+                }
                 let (mesh, batch) = (soup(triangles, 1), rays(n, 2, shared, special));
                 check(&mesh, &batch, own_origins, &all_parameters());
             }

@@ -4,7 +4,7 @@
 use crate::results::Document;
 use crate::sweep::Sweep;
 use dacrt::scene::Description;
-use dacrt::{Counters, ObjectParameters, SpaceParameters};
+use dacrt::{BestParameters, Counters, ObjectParameters, SpaceParameters};
 use schemars::generate::{Contract, SchemaSettings};
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -102,6 +102,7 @@ pub(crate) fn parameters(generator: &mut SchemaGenerator) -> Schema {
 pub fn parameter_kinds(generator: &mut SchemaGenerator) -> Map<String, Value> {
     let mut all = properties::<ObjectParameters>(generator);
     all.append(&mut properties::<SpaceParameters>(generator));
+    all.append(&mut properties::<BestParameters>(generator));
     all
 }
 

@@ -93,6 +93,14 @@ fn parameters() -> Vec<Parameters> {
             plane_test: true,
             ..p
         }),
+        Parameters::Best(_) => Parameters::Best(BestParameters {
+            block: 64,
+            sorted_block: 64,
+            window: 64,
+            sort: Sort::Always,
+            flush: 0.5,
+            cell_triangles: 1.0,
+        }),
     });
     presets.chain(finest).collect()
 }

@@ -125,7 +125,7 @@ fn a_million_coherent_hits() {
         let kernel = Kernels::of(isa).round_hits;
         time(&format!("round_hits of a million, {isa}"), &[()], |()| {
             // SAFETY: the processor was checked.
-            unsafe { kernel(&batch, &triangles, &prim, &mut t) }
+            unsafe { kernel(&batch, 0, &triangles, &prim, &mut t) }
         });
     }
 }

@@ -26,7 +26,7 @@ fn each_t_is_that_of_its_meeting_and_misses_stay() {
                     .collect();
                 let mut t = vec![-7.0; n as usize];
                 // SAFETY: the processor was checked.
-                unsafe { (Kernels::of(isa).round_hits)(&batch, &triangles, &prim, &mut t) };
+                unsafe { (Kernels::of(isa).round_hits)(&batch, 0, &triangles, &prim, &mut t) };
                 for (i, p) in pairs.iter().enumerate() {
                     let expected = match prim[i] {
                         MISS => -7.0,

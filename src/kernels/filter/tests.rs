@@ -114,6 +114,7 @@ impl Bench {
             least_tmin: 0.0,
             any_hit: false,
             precision: Precision::Fast,
+            ahead: true,
             tmax: Tmax {
                 one: None,
                 each: std::ptr::null(),

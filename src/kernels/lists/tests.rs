@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::Triangle;
 use crate::kernels::Kernels;
 use crate::kernels::fast::Fast;
-use crate::kernels::triangle::CHUNK;
+use crate::kernels::triangle::{CHUNK, Prepared};
 use crate::random::{below, hash};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
@@ -229,7 +229,7 @@ fn a_side_keeps_the_triangles_that_reach_to_its_plane() {
 unsafe fn step<L: Lanes>(lists: &TriangleLists, len: usize) -> (Vec<u32>, u64) {
     let mut duplicates = 0;
     let mut prims = vec![];
-    let mut chunk = Chunk::ZERO;
+    let mut chunk = [Prepared::ZERO; CHUNK];
     let mut listed = Listed {
         lists,
         triangles: &[],
@@ -240,7 +240,7 @@ unsafe fn step<L: Lanes>(lists: &TriangleLists, len: usize) -> (Vec<u32>, u64) {
     for from in (0..len).step_by(CHUNK) {
         // SAFETY: as promised.
         unsafe { TriangleList::<L>::prepare::<Fast>(&mut listed, from, &mut chunk, None) };
-        prims.extend(&chunk.prim[..CHUNK.min(len - from)]);
+        prims.extend(chunk[..CHUNK.min(len - from)].iter().map(|of| of.prim));
     }
     (prims, duplicates)
 }

@@ -40,6 +40,7 @@ fn prepared(isa: Isa, batch: &Batch, check: impl FnOnce(&Rays, PreparedRays, &[f
         least_tmin: 0.0,
         any_hit: true,
         precision: Precision::Fast,
+        ahead: true,
         tmax: Tmax::of(batch),
         scene: Aabb::EMPTY,
     };
@@ -141,7 +142,7 @@ fn degenerate_and_invalid_triangles_get_no_item() {
     for isa in Isa::available() {
         let mut items = vec![Item::ZERO; 5];
         // SAFETY: the processor was checked.
-        let (n, bounds) = unsafe { (Kernels::of(isa).prepare_triangles)(&mesh, &mut items) };
+        let (n, bounds) = unsafe { (Kernels::of(isa).prepare_triangles)(&mesh, 0, &mut items) };
         let prims: Vec<u32> = items[..n].iter().map(Item::prim).collect();
         assert_eq!(prims, [0, 4]);
         assert_eq!(bounds.bounds().max, Vec3::new(2.0, 1.0, 1.0));

@@ -39,6 +39,7 @@ pub(in crate::methods) fn trace(
         any_hit: matches!(answer, Answer::Any(_)),
         precision: job.precision,
         tmax: Tmax::of(job.batch),
+        ahead: true,
         scene: Aabb::EMPTY,
     };
     // SAFETY: the processor was checked; the memory has room for the batch.
@@ -48,7 +49,7 @@ pub(in crate::methods) fn trace(
     rays.tmax.one = prepared.one_tmax;
     let items = &mut memory.items[..job.mesh.len()];
     // SAFETY: as above.
-    let (items, bounds) = unsafe { (kernels.prepare_triangles)(job.mesh, items) };
+    let (items, bounds) = unsafe { (kernels.prepare_triangles)(job.mesh, 0, items) };
     rays.scene = bounds.bounds();
     if let Some(watch) = &mut watch {
         watch.ray.least_tmin = rays.least_tmin;
@@ -80,7 +81,7 @@ pub(in crate::methods) fn trace(
             for (t, &prim) in hits.t.iter_mut().zip(&hits.prim) {
                 *t = if prim == MISS { f32::INFINITY } else { *t };
             }
-            job.round(hits);
+            job.round(0, &hits.prim, &mut hits.t);
         }
         Answer::Any(occluded) => {
             for (occluded, &t) in occluded.iter_mut().zip(&memory.t) {

@@ -114,7 +114,7 @@ pub(in crate::methods) fn trace(
                 *prim = found;
                 *t = if found == MISS { f32::INFINITY } else { best };
             }
-            job.round(hits);
+            job.round(0, &hits.prim, &mut hits.t);
         }
         Answer::Any(occluded) => {
             for (occluded, (best, _)) in occluded.iter_mut().zip(memory.best(shared)) {

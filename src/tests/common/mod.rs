@@ -93,12 +93,32 @@ pub fn finest_object() -> [ObjectParameters; 2] {
     })
 }
 
+/// `best` with the smallest blocks and clusters: with groups to the end, without any, and with rays in their
+/// old order.
+pub fn finest_best() -> [BestParameters; 3] {
+    let fine = BestParameters {
+        block: 64,
+        sorted_block: 64,
+        window: 64,
+        sort: Sort::Always,
+        flush: 0.0,
+        cell_triangles: 1.0,
+    };
+    let never = BestParameters {
+        sort: Sort::Never,
+        flush: 0.5,
+        ..fine
+    };
+    [fine, BestParameters { flush: 1.0, ..fine }, never]
+}
+
 /// All presets, and all down to the smallest.
 pub fn presets_and_finest() -> Vec<Parameters> {
     let presets = Method::ALL.map(Method::parameters).into_iter();
     presets
         .chain(finest_object().map(Parameters::from))
         .chain(finest_space().map(Parameters::from))
+        .chain(finest_best().map(Parameters::from))
         .collect()
 }
 

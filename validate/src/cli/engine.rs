@@ -86,10 +86,10 @@ mod tests {
             let bytes = workspaces.of(&parameters).bytes();
             assert_eq!(
                 bytes,
-                Workspace::bytes_for(&parameters, 100, 1000),
+                Workspace::bytes_for(&parameters, 100, 1000, 1),
                 "{method}"
             );
         }
-        assert_eq!(workspaces.made.len(), 2);
+        assert_eq!(workspaces.made.len(), 3);
     }
 }

@@ -3,7 +3,7 @@
 use anyhow::{Context, anyhow, bail, ensure};
 use clap::{Arg, ArgMatches, Command};
 use dacrt::scene::no_such;
-use dacrt::{Method, ObjectParameters, Parameters, SpaceParameters};
+use dacrt::{BestParameters, Method, ObjectParameters, Parameters, SpaceParameters};
 use dacrt_validate::parameters::fields;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 /// A field of [`Parameters`], `-` for `_`, and what it means.
 type Knob = (&'static str, &'static str);
 
-/// All fields but `variant`, which the method decides; for each of the two kinds of methods those
+/// All fields but `variant`, which the method decides; for each kind of methods those
 /// with a name of their own in the papers first.
-const KNOBS: [Knob; 29] = [
+const KNOBS: [Knob; 35] = [
     ("bins", "Bins that a node's triangles are sorted into"),
     ("samples", "Sample rays of a node"),
     (
@@ -109,6 +109,24 @@ const KNOBS: [Knob; 29] = [
         "octants",
         "Rays of many origins: once for each octant, front to back: true or false",
     ),
+    ("block", "Rays that go through the splits together"),
+    (
+        "sorted-block",
+        "Rays that go through the splits together where they were put in order",
+    ),
+    ("window", "Rays that are put in order together"),
+    (
+        "sort",
+        "Which batches are put in order: auto, never or always",
+    ),
+    (
+        "flush",
+        "Share of the rays of groups that must meet a box; 0 never leaves groups, 1 has none",
+    ),
+    (
+        "cell-triangles",
+        "Triangles for each cell of the grid that makes clusters",
+    ),
 ];
 
 /// The field that an option stands for.
@@ -127,6 +145,7 @@ fn with(parameters: &Parameters, knob: &str, text: &str) -> anyhow::Result<Param
     let changed = match parameters {
         Parameters::Object(_) => serde_json::from_value::<ObjectParameters>(all).map(Into::into),
         Parameters::Space(_) => serde_json::from_value::<SpaceParameters>(all).map(Into::into),
+        Parameters::Best(_) => serde_json::from_value::<BestParameters>(all).map(Into::into),
     };
     let changed: Parameters = changed.map_err(|error| match before {
         Some(Value::Number(n)) if n.is_u64() => anyhow!("expected a whole number"),
@@ -193,6 +212,7 @@ impl clap::Args for KnobLists {
                         Method::Mora2011Random,
                     ],
                 ),
+                Parameters::Best(_) => ("Parameters of best", &[Method::Best]),
             };
             let only = match owners == all {
                 true => String::new(),

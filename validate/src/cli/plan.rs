@@ -307,7 +307,7 @@ fn missing_baselines(contestants: &[Contestant]) -> Vec<String> {
         warnings.push(why.to_owned());
     }
     if lacks(false) {
-        let why = "no acceleration ratio of Mora's methods without an afra2012 cell with all of its \
+        let why = "no acceleration ratio of best and Mora's methods without an afra2012 cell with all of its \
                    defaults";
         warnings.push(why.to_owned());
     }

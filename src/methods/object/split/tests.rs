@@ -57,6 +57,7 @@ fn at_root(
         least_tmin: 0.0,
         any_hit: false,
         precision: Precision::Fast,
+        ahead: true,
         tmax: Tmax::of(batch),
         scene: Aabb::EMPTY,
     };
@@ -64,7 +65,7 @@ fn at_root(
     let (prepared, (items, bounds)) = unsafe {
         (
             (kernels.prepare_rays)(batch, &rays),
-            (kernels.prepare_triangles)(mesh, &mut memory.items),
+            (kernels.prepare_triangles)(mesh, 0, &mut memory.items),
         )
     };
     rays.special = prepared.special;

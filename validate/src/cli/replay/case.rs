@@ -223,6 +223,7 @@ fn parameters(method: Method, key: &CellKey) -> anyhow::Result<Parameters> {
     let parameters = match preset {
         Parameters::Object(_) => Parameters::Object(serde_json::from_value(values)?),
         Parameters::Space(_) => Parameters::Space(serde_json::from_value(values)?),
+        Parameters::Best(_) => Parameters::Best(serde_json::from_value(values)?),
     };
     parameters.check()?;
     Ok(parameters)

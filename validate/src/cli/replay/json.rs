@@ -75,6 +75,8 @@ fn step(step: &Step) -> Value {
             Event::Skipped { .. } => "skipped",
             Event::KeptWithCone => "kept_with_cone",
             Event::RejectedWithCone => "rejected_with_cone",
+            Event::KeptWithGroup => "kept_with_group",
+            Event::RejectedWithGroup => "rejected_with_group",
             Event::Empty => "empty",
             Event::Leaf(_) => "leaf",
             Event::Terminated => "terminated",

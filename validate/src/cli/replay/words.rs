@@ -30,6 +30,8 @@ pub fn event(step: &Step) -> String {
         Event::Skipped { ratio } => format!("passes untested, ratio {ratio:.2}"),
         Event::KeptWithCone => "passes with its cone".to_owned(),
         Event::RejectedWithCone => "rejected with its cone".to_owned(),
+        Event::KeptWithGroup => "passes with its group".to_owned(),
+        Event::RejectedWithGroup => "rejected with its group".to_owned(),
         Event::Empty => "no triangle in it".to_owned(),
         Event::Leaf(_) => "leaf".to_owned(),
         Event::Terminated => "done: hits before it leaves".to_owned(),

@@ -1,0 +1,203 @@
+//! The memory of a trace: what its threads share, and what each has for the block at hand.
+
+use super::clusters::Part;
+use super::parameters::MAX_BLOCK;
+use super::splits::Node;
+use crate::kernels::{
+    BinBox, Bins, ENTRY, Entry, GROUP, Groups, Item, MAX_BINS, Ordered, Prepared,
+};
+use crate::methods::Counters;
+use crate::rays::active::ActiveRays;
+use crate::simd::MAX_LANES;
+
+/// Streams of the directions and tmin of a block.
+const ORDERED: usize = 4;
+/// Streams of the bounds of groups.
+const BOUNDS: usize = 13;
+/// Lists of groups that are there at a time: two at each of the levels of the recursion.
+const LEVELS: usize = 2 * 100;
+/// Buckets that rays are sorted into: eight octants of 16³ cells.
+pub(super) const BUCKETS: usize = 8 << 12;
+
+/// Memory for traces of up to a number of rays and triangles with a number of threads.
+pub(in crate::methods) struct Memory {
+    pub(super) items: Vec<Item>,
+    /// The items by cell.
+    pub(super) sorted: Vec<Item>,
+    /// The cell of each item.
+    pub(super) cells: Vec<u32>,
+    pub(super) clusters: Vec<Item>,
+    pub(super) cluster_scratch: Vec<Item>,
+    /// Items of each cluster.
+    pub(super) ranges: Vec<[u32; 2]>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) prepared: Vec<Prepared>,
+    /// The rays of the batch in the order in which they are traced.
+    pub(super) order: Vec<u32>,
+    pub(super) keys: Vec<u16>,
+    /// The triangles of each thread.
+    pub(super) parts: Vec<Part>,
+    pub(super) workers: Vec<Worker>,
+}
+
+/// The memory of one thread.
+pub(super) struct Worker {
+    /// Items of each cell, and where they go.
+    pub counts: Vec<u32>,
+    /// The box of each cell.
+    pub boxes: Vec<BinBox>,
+    pub buckets: Vec<u32>,
+    pub room: Box<SplitRoom>,
+    /// The records of the block, then lists.
+    pub active: ActiveRays,
+    pub directions: Vec<[f32; 4]>,
+    ordered: Vec<f32>,
+    pub t: Vec<f32>,
+    pub tmax: Vec<f32>,
+    pub prim: Vec<u32>,
+    /// Where the rays of the block stand in the batch.
+    pub places: Vec<u32>,
+    bounds: Vec<f32>,
+    /// Lists of groups.
+    pub entries: Vec<Entry>,
+    /// The rays of one list.
+    pub in_groups: Vec<Entry>,
+    pub counters: Counters,
+    pub invalid_rays: u64,
+}
+
+/// Room to split a node.
+pub(super) struct SplitRoom {
+    pub bins: [Bins; 3],
+    /// `suffix[j]` is the box around bins j and up.
+    pub suffix: [BinBox; MAX_BINS],
+}
+
+/// Cells of the grid, of which there is at most one in this many triangles; see `cell_triangles`.
+fn cells(triangles: usize) -> usize {
+    triangles.max(1)
+}
+
+/// Rays of a block in a batch of so many: whole groups, and as many places as a vector may touch behind
+/// them.
+fn block(rays: usize) -> usize {
+    rays.min(MAX_BLOCK).next_multiple_of(GROUP)
+}
+
+impl Memory {
+    pub fn new(rays: usize, triangles: usize, threads: usize) -> Memory {
+        Memory {
+            items: vec![Item::ZERO; triangles],
+            sorted: vec![Item::ZERO; triangles],
+            cells: vec![0; triangles],
+            clusters: vec![Item::ZERO; cells(triangles)],
+            cluster_scratch: vec![Item::ZERO; cells(triangles)],
+            ranges: vec![[0; 2]; cells(triangles)],
+            nodes: Node::room(triangles),
+            prepared: vec![Prepared::ZERO; triangles],
+            order: vec![0; rays + MAX_LANES],
+            keys: vec![0; rays],
+            parts: vec![Part::NONE; threads],
+            workers: (0..threads).map(|_| Worker::new(rays, triangles)).collect(),
+        }
+    }
+
+    pub fn bytes(rays: usize, triangles: usize, threads: usize) -> usize {
+        let items = 2 * triangles + 2 * cells(triangles);
+        items * size_of::<Item>()
+            + triangles * (size_of::<u32>() + size_of::<Prepared>())
+            + cells(triangles) * size_of::<[u32; 2]>()
+            + Node::most(triangles) * size_of::<Node>()
+            + (rays + MAX_LANES) * size_of::<u32>()
+            + rays * size_of::<u16>()
+            + threads * (size_of::<Part>() + size_of::<Worker>() + Worker::bytes(rays, triangles))
+    }
+}
+
+impl Worker {
+    fn new(rays: usize, triangles: usize) -> Worker {
+        let block = block(rays);
+        let room = block + MAX_LANES;
+        Worker {
+            counts: vec![0; cells(triangles)],
+            boxes: vec![BinBox::EMPTY; cells(triangles)],
+            buckets: vec![0; BUCKETS],
+            room: Box::new(SplitRoom {
+                bins: [Bins::EMPTY; 3],
+                suffix: [BinBox::EMPTY; MAX_BINS],
+            }),
+            active: ActiveRays::new(2 * block),
+            directions: vec![[0.0; 4]; room],
+            ordered: vec![0.0; ORDERED * room],
+            t: vec![0.0; room],
+            tmax: vec![0.0; room],
+            prim: vec![0; room],
+            places: vec![0; room],
+            bounds: vec![0.0; BOUNDS * Self::bounds_len(block)],
+            entries: vec![Entry::ZERO; Self::entries(block)],
+            in_groups: vec![Entry::ZERO; Self::ray_entries(block)],
+            counters: Counters::default(),
+            invalid_rays: 0,
+        }
+    }
+
+    fn bytes(rays: usize, triangles: usize) -> usize {
+        let block = block(rays);
+        let room = block + MAX_LANES;
+        cells(triangles) * (size_of::<u32>() + size_of::<BinBox>())
+            + BUCKETS * size_of::<u32>()
+            + size_of::<SplitRoom>()
+            + ActiveRays::bytes(2 * block)
+            + room * (size_of::<[f32; 4]>() + (ORDERED + 4) * size_of::<f32>())
+            + BOUNDS * Self::bounds_len(block) * size_of::<f32>()
+            + (Self::entries(block) + Self::ray_entries(block)) * size_of::<Entry>()
+    }
+
+    /// Groups of a block, up to a whole entry.
+    fn bounds_len(block: usize) -> usize {
+        (block / GROUP).next_multiple_of(ENTRY)
+    }
+
+    fn entries(block: usize) -> usize {
+        (LEVELS + 1) * Self::bounds_len(block) / ENTRY
+    }
+
+    /// One more than there can be, for the place behind the last is written to.
+    fn ray_entries(block: usize) -> usize {
+        block / ENTRY + 1
+    }
+
+    /// How many rays a block may have.
+    pub fn block(&self) -> usize {
+        self.t.len() - MAX_LANES
+    }
+
+    pub fn ordered(&mut self) -> Ordered {
+        let len = self.ordered.len() / ORDERED;
+        let streams: [*mut f32; ORDERED] = streams(&mut self.ordered, len);
+        Ordered {
+            direction: [streams[0], streams[1], streams[2]],
+            tmin: streams[3],
+        }
+    }
+
+    pub fn groups(&mut self) -> Groups {
+        let len = self.bounds.len() / BOUNDS;
+        let s: [*mut f32; BOUNDS] = streams(&mut self.bounds, len);
+        Groups {
+            origin_lo: [s[0], s[1], s[2]],
+            origin_hi: [s[3], s[4], s[5]],
+            inverse_lo: [s[6], s[7], s[8]],
+            inverse_hi: [s[9], s[10], s[11]],
+            far: s[12],
+        }
+    }
+}
+
+/// Streams of `len` numbers, one behind the other.
+fn streams<const N: usize>(of: &mut [f32], len: usize) -> [*mut f32; N] {
+    assert!(N * len <= of.len());
+    let base = of.as_mut_ptr();
+    // SAFETY: it was checked that they are there.
+    std::array::from_fn(|i| unsafe { base.add(i * len) })
+}

@@ -1,0 +1,99 @@
+//! Parameters of `best`, and its preset.
+
+use crate::methods::BadParameter;
+use crate::methods::parameters::first_bad;
+use serde::{Deserialize, Serialize};
+
+/// Which batches are put in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Sort {
+    /// Those in which neighbours go different ways, as a sample of the batch says.
+    Auto,
+    /// None.
+    Never,
+    /// All.
+    Always,
+}
+
+/// Parameters of `best`. As JSON, the names of the fields.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct BestParameters {
+    /// Rays that go through the splits together, where neighbours go the same way; 64 to 65,536.
+    pub block: u32,
+    /// Likewise, of rays that were put in order.
+    pub sorted_block: u32,
+    /// Rays that are put in order together; at least 64.
+    pub window: u32,
+    /// Which batches are put in order.
+    pub sort: Sort,
+    /// Groups are left for lists of rays at a node whose box no more than this share of their rays
+    /// meets, as a few groups say; 0 never leaves them, 1 has lists from the root on.
+    pub flush: f32,
+    /// Triangles for each cell of the grid that gathers them into clusters, at least 1; with more than
+    /// the mesh has there is one cluster.
+    pub cell_triangles: f32,
+}
+
+/// Names of the parameters.
+pub(in crate::methods) const FIELDS: [&str; 6] = [
+    "block",
+    "sorted_block",
+    "window",
+    "sort",
+    "flush",
+    "cell_triangles",
+];
+
+/// The largest block: what is looked up by number fits the second-level cache.
+pub(super) const MAX_BLOCK: usize = 1 << 16;
+
+impl BestParameters {
+    /// The preset.
+    pub const BEST: BestParameters = BestParameters {
+        block: 1 << 14,
+        sorted_block: 1 << 16,
+        window: 1 << 17,
+        sort: Sort::Auto,
+        flush: 0.1,
+        cell_triangles: 8.0,
+    };
+
+    /// Checks all ranges.
+    ///
+    /// # Errors
+    /// The first parameter that is outside its own.
+    pub fn check(&self) -> Result<(), BadParameter> {
+        let block = |size: u32| (64..=MAX_BLOCK).contains(&(size as usize));
+        first_bad(&[
+            ("block", self.block as f64, block(self.block), "64 to 65536"),
+            (
+                "sorted_block",
+                self.sorted_block as f64,
+                block(self.sorted_block),
+                "64 to 65536",
+            ),
+            (
+                "window",
+                self.window as f64,
+                self.window >= 64,
+                "a whole number of at least 64",
+            ),
+            (
+                "flush",
+                self.flush as f64,
+                (0.0..=1.0).contains(&self.flush),
+                "0 to 1",
+            ),
+            (
+                "cell_triangles",
+                self.cell_triangles as f64,
+                self.cell_triangles >= 1.0,
+                "a number of at least 1",
+            ),
+        ])
+    }
+}

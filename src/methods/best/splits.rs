@@ -1,0 +1,421 @@
+//! Splits of the triangles, made where rays first come and kept for the blocks and threads that follow.
+
+use super::memory::SplitRoom;
+use crate::geometry::{Aabb, Triangle};
+use crate::kernels::{BinBox, Binning, CHUNK, Copies, Item, ItemList, Kernels, Prepared, Rays};
+use std::marker::PhantomData;
+use std::slice;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Triangles of a leaf: as many as are prepared together.
+pub(super) const LEAF: usize = CHUNK;
+/// Bins of a split; fewer where there are few triangles. 8 and 32 take as long.
+const BINS: usize = 16;
+/// From this depth on nodes are halved by number, so that the recursion ends.
+const MAX_DEPTH: u8 = 64;
+
+/// A subproblem's triangles.
+pub(super) struct Node {
+    pub bounds: Aabb,
+    /// Range of the clusters, or of the items.
+    from: u32,
+    to: u32,
+    /// How many triangles they are.
+    pub weight: u32,
+    /// What has become of it: [`NEW`], [`BUSY`], or an encoded [`State`].
+    state: AtomicU32,
+    /// On which it was split.
+    pub axis: u8,
+    pub depth: u8,
+    of_clusters: bool,
+}
+
+const NEW: u32 = 0;
+/// Some thread is at it.
+const BUSY: u32 = 1;
+
+/// What has become of a node that rays have come to.
+#[derive(Clone, Copy)]
+pub(super) enum State {
+    /// Number of the left child; the right one follows.
+    Split(usize),
+    /// Number of the first of its prepared triangles, of which it has [`Node::weight`].
+    Leaf(usize),
+}
+
+impl State {
+    fn encode(self) -> u32 {
+        match self {
+            State::Split(at) => 2 + 2 * at as u32,
+            State::Leaf(at) => 3 + 2 * at as u32,
+        }
+    }
+
+    fn decode(code: u32) -> Option<State> {
+        let at = (code.wrapping_sub(2) / 2) as usize;
+        match code {
+            NEW | BUSY => None,
+            code if code & 1 == 0 => Some(State::Split(at)),
+            _ => Some(State::Leaf(at)),
+        }
+    }
+}
+
+impl Node {
+    /// The most nodes that there can be: each leaf has a triangle.
+    pub fn most(triangles: usize) -> usize {
+        2 * triangles + 1
+    }
+
+    /// Room for all nodes.
+    ///
+    /// # Panics
+    /// If there are more than 2²⁹ triangles.
+    pub fn room(triangles: usize) -> Vec<Node> {
+        assert!(triangles <= 1 << 29, "at most 2^29 triangles");
+        let nothing = || Node::new(Aabb::EMPTY, [0, 0], 0, 0, false);
+        (0..Node::most(triangles)).map(|_| nothing()).collect()
+    }
+
+    fn new(bounds: Aabb, [from, to]: [u32; 2], weight: u32, depth: u8, of_clusters: bool) -> Node {
+        Node {
+            bounds,
+            from,
+            to,
+            weight,
+            state: AtomicU32::new(NEW),
+            axis: 0,
+            depth,
+            of_clusters,
+        }
+    }
+}
+
+/// All splits of one trace.
+///
+/// The items, clusters and scratch places of a node belong to the thread that has made it [`BUSY`]; what
+/// stands in a node is not changed any more once another state is there to be seen.
+pub(super) struct Splits<'a> {
+    pub kernels: &'static Kernels,
+    pub triangles: &'a [Triangle],
+    /// Items by cluster, then by leaf.
+    items: *mut Item,
+    scratch: *mut Item,
+    clusters: *mut Item,
+    cluster_scratch: *mut Item,
+    /// Items of each cluster.
+    ranges: &'a [[u32; 2]],
+    nodes: *mut Node,
+    node_count: AtomicU32,
+    prepared: *mut Prepared,
+    prepared_count: AtomicU32,
+    _memory: PhantomData<&'a mut Node>,
+}
+
+// SAFETY: see the rule above; all else is read only.
+unsafe impl Sync for Splits<'_> {}
+
+/// Where splits are made.
+pub(super) struct Places<'a> {
+    pub items: &'a mut [Item],
+    pub scratch: &'a mut [Item],
+    pub clusters: &'a mut [Item],
+    pub cluster_scratch: &'a mut [Item],
+    pub nodes: &'a mut [Node],
+    pub prepared: &'a mut [Prepared],
+}
+
+/// Where to part the items of a node.
+struct Cut {
+    binning: Binning,
+    last_left: usize,
+    left: Aabb,
+    right: Aabb,
+    /// Triangles on the left.
+    weight: u32,
+}
+
+impl<'a> Splits<'a> {
+    /// Nothing is split yet. Clusters are numbered by their place.
+    pub fn new(
+        kernels: &'static Kernels,
+        triangles: &'a [Triangle],
+        bounds: Aabb,
+        ranges: &'a [[u32; 2]],
+        places: Places<'a>,
+    ) -> Splits<'a> {
+        let weight = places.items.len() as u32;
+        assert_eq!(places.items.len(), places.scratch.len());
+        assert!(
+            places.clusters.len() == ranges.len() && places.cluster_scratch.len() >= ranges.len()
+        );
+        assert!(places.nodes.len() >= Node::most(weight as usize));
+        assert!(places.prepared.len() >= weight as usize);
+        places.nodes[0] = Node::new(bounds, [0, ranges.len() as u32], weight, 0, true);
+        Splits {
+            kernels,
+            triangles,
+            items: places.items.as_mut_ptr(),
+            scratch: places.scratch.as_mut_ptr(),
+            clusters: places.clusters.as_mut_ptr(),
+            cluster_scratch: places.cluster_scratch.as_mut_ptr(),
+            ranges,
+            nodes: places.nodes.as_mut_ptr(),
+            node_count: AtomicU32::new(1),
+            prepared: places.prepared.as_mut_ptr(),
+            prepared_count: AtomicU32::new(0),
+            _memory: PhantomData,
+        }
+    }
+
+    /// A node that was given out.
+    #[inline(always)]
+    pub fn node(&self, at: usize) -> &Node {
+        debug_assert!(at < self.node_count.load(Ordering::Relaxed) as usize);
+        // SAFETY: there is room for as many nodes as can be.
+        unsafe { &*self.nodes.add(at) }
+    }
+
+    /// Triangles of a leaf.
+    #[inline(always)]
+    pub fn leaf(&self, first: usize, node: &Node) -> &[Prepared] {
+        // SAFETY: they were written before the state was, and are not changed.
+        unsafe { slice::from_raw_parts(self.prepared.add(first), node.weight as usize) }
+    }
+
+    /// Splits a node, or prepares its triangles, if no rays have come to it before. Counts the items that
+    /// it bins.
+    #[inline]
+    pub fn open(&self, at: usize, rays: &Rays, room: &mut SplitRoom, binned: &mut u64) -> State {
+        match State::decode(self.node(at).state.load(Ordering::Acquire)) {
+            Some(state) => state,
+            None => self.open_new(at, rays, room, binned),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn open_new(&self, at: usize, rays: &Rays, room: &mut SplitRoom, binned: &mut u64) -> State {
+        let state = &self.node(at).state;
+        let taken = state.compare_exchange(NEW, BUSY, Ordering::Acquire, Ordering::Acquire);
+        if taken.is_err() {
+            let mut rounds = 0;
+            loop {
+                if let Some(state) = State::decode(state.load(Ordering::Acquire)) {
+                    return state;
+                }
+                // The other thread may have no processor.
+                rounds += 1;
+                match rounds % 1024 {
+                    0 => std::thread::yield_now(),
+                    _ => std::hint::spin_loop(),
+                }
+            }
+        }
+        let made = match self.node(at).weight as usize <= LEAF {
+            true => self.prepare(at, rays),
+            false => self.split(at, rays, room, binned),
+        };
+        state.store(made.encode(), Ordering::Release);
+        made
+    }
+
+    /// Brings near what rays will need that are about to come to a node.
+    #[inline]
+    pub fn prefetch(&self, at: usize) {
+        let node = self.node(at);
+        let (p, len): (*const f32, usize) = match State::decode(node.state.load(Ordering::Relaxed))
+        {
+            None => return,
+            // SAFETY: within the room for both.
+            Some(State::Split(first)) => unsafe {
+                (self.nodes.add(first).cast(), 2 * size_of::<Node>())
+            },
+            // SAFETY: as above.
+            Some(State::Leaf(first)) => unsafe {
+                let len = node.weight as usize * size_of::<Prepared>();
+                (self.prepared.add(first).cast(), len)
+            },
+        };
+        // SAFETY: the processor was checked.
+        unsafe { (self.kernels.prefetch)(p, len) }
+    }
+
+    /// Items of a node, and as much scratch.
+    ///
+    /// # Safety
+    /// The node is this thread's.
+    #[allow(clippy::mut_from_ref)]
+    unsafe fn items_of(&self, node: &Node) -> (&mut [Item], &mut [Item]) {
+        let (items, scratch) = match node.of_clusters {
+            true => (self.clusters, self.cluster_scratch),
+            false => (self.items, self.scratch),
+        };
+        let (from, len) = (node.from as usize, (node.to - node.from) as usize);
+        // SAFETY: nodes that are not each other's ancestors have other items, and those of the ancestors
+        // are not looked at any more.
+        unsafe {
+            (
+                slice::from_raw_parts_mut(items.add(from), len),
+                slice::from_raw_parts_mut(scratch.add(from), len),
+            )
+        }
+    }
+
+    /// Prepares the triangles of a node.
+    fn prepare(&self, at: usize, rays: &Rays) -> State {
+        let node = self.node(at);
+        let mut together = [Item::ZERO; LEAF];
+        let mut n = 0;
+        // SAFETY: the node is this thread's.
+        let (items, _) = unsafe { self.items_of(node) };
+        let items = match node.of_clusters {
+            false => &*items,
+            true => {
+                for cluster in items {
+                    let [from, to] = self.ranges[cluster.prim() as usize].map(|i| i as usize);
+                    // SAFETY: items of a cluster of this node.
+                    let of = unsafe { slice::from_raw_parts(self.items.add(from), to - from) };
+                    together[n..n + of.len()].copy_from_slice(of);
+                    n += of.len();
+                }
+                &together[..n]
+            }
+        };
+        let n = items.len() as u32;
+        let first = self.prepared_count.fetch_add(n, Ordering::Relaxed) as usize;
+        // SAFETY: the processor was checked; each triangle is in one leaf, so there is room.
+        unsafe {
+            let to = slice::from_raw_parts_mut(self.prepared.add(first), items.len());
+            (self.kernels.prepare_leaf)(rays, self.triangles, items, to);
+        }
+        State::Leaf(first)
+    }
+
+    /// Splits a node by the surface area heuristic, on the axis on which the centres are spread furthest.
+    fn split(&self, at: usize, rays: &Rays, room: &mut SplitRoom, binned: &mut u64) -> State {
+        // SAFETY: the node is this thread's until its state is written.
+        let node = unsafe { &mut *self.nodes.add(at) };
+        if node.of_clusters && node.to - node.from == 1 {
+            // SAFETY: as above.
+            let cluster = unsafe { &*self.clusters.add(node.from as usize) };
+            [node.from, node.to] = self.ranges[cluster.prim() as usize];
+            node.of_clusters = false;
+        }
+        // SAFETY: as above.
+        let (items, scratch) = unsafe { self.items_of(node) };
+        // SAFETY: the processor was checked.
+        let extent = unsafe { (self.kernels.spread_of_centers)(items) };
+        let axis = (1..3).fold(0, |best, axis| match extent[axis] > extent[best] {
+            true => axis,
+            false => best,
+        });
+        let mut cut = None;
+        if extent[axis] > 0.0 && node.depth < MAX_DEPTH {
+            let bins = BINS.min(items.len().max(4) / 2);
+            let binning = Binning::new(&node.bounds, axis, bins);
+            *binned += items.len() as u64;
+            // SAFETY: as above.
+            unsafe { (self.kernels.bin)(items, &[binning], &mut room.bins) };
+            cut = least_cost(room, binning, node.weight);
+        }
+        let (n, left, right, weight) = match cut {
+            Some(cut) => {
+                // SAFETY: as above.
+                let n = unsafe {
+                    (self.kernels.partition)(items, scratch, &cut.binning, cut.last_left)
+                };
+                (n, cut.left, cut.right, cut.weight)
+            }
+            None => {
+                if !node.of_clusters {
+                    let mut list = ItemList {
+                        triangles: self.triangles,
+                        len: items.len(),
+                        items: &mut *items,
+                    };
+                    list.drop_copies(LEAF + 1);
+                    node.weight = list.len as u32;
+                    node.to = node.from + node.weight;
+                    if list.len <= LEAF {
+                        return self.prepare(at, rays);
+                    }
+                }
+                let items = &items[..(node.to - node.from) as usize];
+                let (left, right) = items.split_at(items.len() / 2);
+                // SAFETY: as above.
+                let unite = |items| unsafe { (self.kernels.unite)(items) }.bounds();
+                let weight = left.iter().map(Item::weight).sum();
+                (left.len(), unite(left), unite(right), weight)
+            }
+        };
+        if !node.of_clusters {
+            self.prefetch_leaves(&items[..n]);
+            self.prefetch_leaves(&items[n..]);
+        }
+        let mid = node.from + n as u32;
+        let first = self.node_count.fetch_add(2, Ordering::Relaxed) as usize;
+        let child = |bounds, range, weight| {
+            Node::new(bounds, range, weight, node.depth + 1, node.of_clusters)
+        };
+        // SAFETY: there is room for as many nodes as can be, and these two are nobody else's.
+        unsafe {
+            let to = self.nodes.add(first);
+            to.write(child(left, [node.from, mid], weight));
+            to.add(1)
+                .write(child(right, [mid, node.to], node.weight - weight));
+        }
+        node.axis = axis as u8;
+        State::Split(first)
+    }
+
+    /// If items will be a leaf, brings their corners near.
+    fn prefetch_leaves(&self, items: &[Item]) {
+        if items.len() <= LEAF {
+            for item in items {
+                let triangle = &self.triangles[item.prim() as usize];
+                // SAFETY: the processor was checked.
+                unsafe {
+                    let p = std::ptr::from_ref(triangle).cast();
+                    (self.kernels.prefetch)(p, size_of::<Triangle>());
+                }
+            }
+        }
+    }
+}
+
+/// The cut between bins with the least surface area heuristic; none if all items are in one bin.
+fn least_cost(room: &mut SplitRoom, binning: Binning, triangles: u32) -> Option<Cut> {
+    let (bins, suffix) = (&room.bins[0], &mut room.suffix);
+    let mut right = BinBox::EMPTY;
+    for j in (1..binning.bins()).rev() {
+        right = right.merged(&bins.boxes[j]);
+        suffix[j] = right;
+    }
+    let mut left = BinBox::EMPTY;
+    let (mut best, mut least) = (None, f32::INFINITY);
+    let mut weight = 0;
+    for j in 0..binning.bins() - 1 {
+        if bins.counts[j] == 0 {
+            continue;
+        }
+        left = left.merged(&bins.boxes[j]);
+        weight += bins.counts[j];
+        if weight == triangles {
+            break;
+        }
+        let (l, r) = (left.bounds(), suffix[j + 1].bounds());
+        let cost = l.half_area() * weight as f32 + r.half_area() * (triangles - weight) as f32;
+        if best.is_none() || cost < least {
+            least = cost;
+            best = Some(Cut {
+                binning,
+                last_left: j,
+                left: l,
+                right: r,
+                weight,
+            });
+        }
+    }
+    best
+}

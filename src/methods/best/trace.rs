@@ -1,0 +1,350 @@
+//! One trace: a pass over the triangles, then blocks of rays, one after another or dealt to threads.
+
+use super::clusters;
+use super::divide::Divide;
+use super::memory::{Memory, Worker};
+use super::order;
+use super::splits::{Places, Splits};
+use super::watched::Watched;
+use super::{BestParameters, Sort};
+use crate::kernels::{BlockStreams, Rays, Tmax};
+use crate::methods::Counters;
+use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
+use crate::methods::watch::Watch;
+use crate::rays::MISS;
+use crate::rays::active::ActiveRays;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Traces a batch with a number of threads for which there is memory.
+pub(in crate::methods) fn trace(
+    job: &Job,
+    parameters: &BestParameters,
+    memory: &mut Memory,
+    threads: usize,
+    mut answer: Answer,
+    mut watch: Option<&mut Watch>,
+) -> Trace {
+    let (kernels, mesh, batch) = (job.kernels, job.mesh, job.batch);
+    let n = batch.len();
+    // Whoever watches a ray sees it on one thread.
+    let threads = match watch {
+        Some(_) => 1,
+        None => threads,
+    };
+    let workers = &mut memory.workers[..threads];
+    let parts = &mut memory.parts[..threads];
+    let share = |i: usize| mesh.len() * i / threads;
+
+    let mut rest = &mut memory.items[..mesh.len()];
+    let tasks = parts.iter_mut().enumerate().map(|(i, part)| {
+        let items = split_off(&mut rest, share(i + 1) - share(i));
+        (part, share(i), items)
+    });
+    each(threads, tasks, |(part, from, items)| {
+        *part = clusters::prepare(kernels, mesh, from, items);
+    });
+
+    let (scene, triangles, grid) = clusters::grid(parts, parameters.cell_triangles);
+    let sorted = match parameters.sort {
+        Sort::Auto => order::is_incoherent(batch),
+        Sort::Never => false,
+        Sort::Always => true,
+    };
+    let window = parameters.window as usize;
+    let windows = if sorted { n.div_ceil(window) } else { 0 };
+    let rays_share = |i: usize| (windows * i / threads * window).min(n);
+    let (mut cells, mut order, mut keys) =
+        (&mut *memory.cells, &mut *memory.order, &mut *memory.keys);
+    let items = &memory.items;
+    let tasks = workers
+        .iter_mut()
+        .zip(&*parts)
+        .enumerate()
+        .map(|(i, (worker, part))| {
+            let cells = split_off(&mut cells, share(i + 1) - share(i));
+            let rays = rays_share(i)..rays_share(i + 1);
+            let order = split_off(&mut order, rays.len());
+            let keys = split_off(&mut keys, rays.len());
+            (worker, part, cells, rays, order, keys)
+        });
+    each(
+        threads,
+        tasks,
+        |(worker, part, cells, rays, order, keys)| {
+            clusters::count(kernels, &grid, &items[part.range()], cells, worker);
+            let parts = order.chunks_mut(window).zip(keys.chunks_mut(window));
+            for ((order, keys), from) in parts.zip(rays.step_by(window)) {
+                let rays = from..from + order.len();
+                let shared = job.shared_origin.is_some();
+                order::sort(
+                    batch,
+                    rays,
+                    shared,
+                    &scene,
+                    order,
+                    keys,
+                    &mut worker.buckets,
+                );
+            }
+        },
+    );
+
+    let clusters = clusters::place(&grid, workers, &mut memory.ranges);
+    let places = clusters::Sorted::new(&mut memory.sorted[..triangles]);
+    let cells = &memory.cells;
+    let tasks = workers.iter_mut().zip(&*parts).enumerate();
+    each(threads, tasks, |(i, (worker, part))| {
+        let cells = &cells[share(i)..];
+        clusters::scatter(kernels, &items[part.range()], cells, worker, &places);
+    });
+    let ranges = &memory.ranges[..clusters];
+    clusters::unite(&grid, workers, ranges, &mut memory.clusters);
+
+    let splits = Splits::new(
+        kernels,
+        mesh.triangles(),
+        scene,
+        ranges,
+        Places {
+            items: &mut memory.sorted[..triangles],
+            scratch: &mut memory.items[..triangles],
+            clusters: &mut memory.clusters[..clusters],
+            cluster_scratch: &mut memory.cluster_scratch,
+            nodes: &mut memory.nodes,
+            prepared: &mut memory.prepared,
+        },
+    );
+    let blocks = Blocks {
+        job,
+        parameters,
+        splits: &splits,
+        order: sorted.then_some(&memory.order),
+        out: Out::new(&mut answer),
+        size: match sorted {
+            true => parameters.sorted_block,
+            false => parameters.block,
+        } as usize,
+        next: AtomicUsize::new(0),
+    };
+    match workers {
+        [worker] => blocks.trace(worker, triangles, watch.take()),
+        _ => each(threads, workers.iter_mut(), |worker| {
+            blocks.trace(worker, triangles, None);
+        }),
+    }
+    if let Answer::Nearest(hits) = answer {
+        let share = |i: usize| n * i / threads;
+        let (mut t, mut prim) = (&mut hits.t[..], &mut hits.prim[..]);
+        let tasks = (0..threads).map(|i| {
+            let len = share(i + 1) - share(i);
+            (share(i), split_off(&mut prim, len), split_off(&mut t, len))
+        });
+        each(threads, tasks, |(from, prim, t)| job.round(from, prim, t));
+    }
+    let mut counters = Counters::default();
+    let mut invalid_rays = 0;
+    for worker in workers {
+        counters.add(&worker.counters);
+        invalid_rays += worker.invalid_rays;
+    }
+    Trace {
+        counters,
+        shared_origin: job.shared_origin.is_some(),
+        invalid_rays,
+        variant: None,
+    }
+}
+
+/// Does tasks, each on a thread of its own if there are more than one.
+fn each<T: Send>(threads: usize, tasks: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
+    if threads == 1 {
+        return tasks.for_each(work);
+    }
+    let work = &work;
+    std::thread::scope(|scope| {
+        for task in tasks {
+            scope.spawn(move || work(task));
+        }
+    });
+}
+
+/// Takes the first `n` from what is left of a slice.
+fn split_off<'a, T>(rest: &mut &'a mut [T], n: usize) -> &'a mut [T] {
+    let (first, others) = std::mem::take(rest).split_at_mut(n);
+    *rest = others;
+    first
+}
+
+/// Where answers go: each ray's is written by the one thread that has its block.
+struct Out {
+    t: *mut f32,
+    prim: *mut u32,
+    /// Null for nearest hits.
+    occluded: *mut u8,
+}
+
+// SAFETY: no two threads write to the same place.
+unsafe impl Sync for Out {}
+
+impl Out {
+    fn new(answer: &mut Answer) -> Out {
+        match answer {
+            Answer::Nearest(hits) => Out {
+                t: hits.t.as_mut_ptr(),
+                prim: hits.prim.as_mut_ptr(),
+                occluded: std::ptr::null_mut(),
+            },
+            Answer::Any(occluded) => Out {
+                t: std::ptr::null_mut(),
+                prim: std::ptr::null_mut(),
+                occluded: occluded.as_mut_ptr(),
+            },
+        }
+    }
+
+    fn is_any(&self) -> bool {
+        !self.occluded.is_null()
+    }
+}
+
+/// Blocks of rays that are dealt to threads.
+struct Blocks<'a> {
+    job: &'a Job<'a>,
+    parameters: &'a BestParameters,
+    splits: &'a Splits<'a>,
+    /// Of the rays, if not that of the batch.
+    order: Option<&'a Vec<u32>>,
+    out: Out,
+    /// Rays of a block.
+    size: usize,
+    /// The first ray that nobody has taken.
+    next: AtomicUsize,
+}
+
+impl Blocks<'_> {
+    /// Traces blocks until there are none left.
+    fn trace(&self, worker: &mut Worker, triangles: usize, mut watch: Option<&mut Watch>) {
+        let n = self.job.batch.len();
+        let size = self.size.min(worker.block());
+        worker.counters = Counters::default();
+        worker.invalid_rays = 0;
+        loop {
+            let from = self.next.fetch_add(size, Ordering::Relaxed);
+            if from >= n {
+                return;
+            }
+            let range = from..n.min(from + size);
+            self.trace_block(worker, range, triangles, watch.as_deref_mut());
+        }
+    }
+
+    fn trace_block(
+        &self,
+        worker: &mut Worker,
+        range: Range<usize>,
+        triangles: usize,
+        watch: Option<&mut Watch>,
+    ) {
+        let (job, kernels) = (self.job, self.job.kernels);
+        let streams = BlockStreams {
+            ordered: worker.ordered(),
+            tmax: worker.tmax.as_mut_ptr(),
+            places: worker.places.as_mut_ptr(),
+        };
+        let groups = worker.groups();
+        let capacity = ActiveRays::capacity(worker.active.rays());
+        let (active, scratch) = worker.active.streams();
+        let mut rays = Rays {
+            active,
+            scratch,
+            directions: worker.directions.as_mut_ptr(),
+            t: worker.t.as_mut_ptr(),
+            prim: worker.prim.as_mut_ptr(),
+            shared_origin: job.shared_origin,
+            special: false,
+            least_tmin: 0.0,
+            any_hit: self.out.is_any(),
+            precision: job.precision,
+            tmax: Tmax {
+                one: None,
+                each: streams.tmax,
+            },
+            ahead: false,
+            scene: self.splits.node(0).bounds,
+        };
+        let order = self.order.map(|order| &order[..]);
+        // SAFETY: the processor was checked; the memory has room for the block, and the order is a
+        // permutation of the rays.
+        let prepared =
+            unsafe { (kernels.load_block)(job.batch, range.clone(), order, &rays, &streams) };
+        rays.special = prepared.special;
+        rays.least_tmin = prepared.least_tmin;
+        rays.tmax.one = prepared.one_tmax;
+        worker.invalid_rays += (range.len() - prepared.valid) as u64;
+        let places = &worker.places[..prepared.valid];
+        if triangles > 0 && prepared.valid > 0 {
+            let watch = watch.and_then(|watch| {
+                let ray = places.iter().position(|&place| place == watch.id)?;
+                watch.ray.least_tmin = prepared.least_tmin;
+                Some(Watched { watch, ray })
+            });
+            // SAFETY: the processor was checked.
+            unsafe { (kernels.bound_groups)(&rays, &groups, prepared.valid) };
+            let mut divide = Divide {
+                kernels,
+                parameters: self.parameters,
+                splits: self.splits,
+                room: &mut worker.room,
+                rays,
+                ordered: streams.ordered,
+                groups,
+                entries: &mut worker.entries,
+                in_groups: &mut worker.in_groups,
+                capacity,
+                counters: &mut worker.counters,
+                watch,
+            };
+            divide.start(prepared.valid);
+        }
+        // SAFETY: the memory is the worker's own.
+        unsafe { self.write(&rays, range, places) }
+    }
+
+    /// Writes the answers of a block whose valid rays have these places in the batch.
+    ///
+    /// # Safety
+    /// The best hits in `rays` are there for each of them.
+    unsafe fn write(&self, rays: &Rays, range: Range<usize>, places: &[u32]) {
+        let all_valid = places.len() == range.len();
+        let place = |i: usize| match self.order {
+            Some(order) => order[i] as usize,
+            None => i,
+        };
+        // SAFETY: places of the batch that no other thread has.
+        unsafe {
+            if self.out.is_any() {
+                if !all_valid {
+                    range.for_each(|i| *self.out.occluded.add(place(i)) = 0);
+                }
+                for (i, &place) in places.iter().enumerate() {
+                    let occluded = *rays.t.add(i) == OCCLUDED;
+                    *self.out.occluded.add(place as usize) = occluded as u8;
+                }
+                return;
+            }
+            if !all_valid {
+                for i in range {
+                    *self.out.t.add(place(i)) = f32::INFINITY;
+                    *self.out.prim.add(place(i)) = MISS;
+                }
+            }
+            for (i, &place) in places.iter().enumerate() {
+                let (t, prim) = (*rays.t.add(i), *rays.prim.add(i));
+                let t = if prim == MISS { f32::INFINITY } else { t };
+                *self.out.t.add(place as usize) = t;
+                *self.out.prim.add(place as usize) = prim;
+            }
+        }
+    }
+}
