@@ -2,10 +2,11 @@
 
 use super::Rays;
 use super::groups::{GROUP, Ordered};
+use super::order::Record;
 use super::prepare::{self, PreparedRays, ends_far, inverse, one};
 use super::records::least_of;
 use crate::rays::{Batch, MISS};
-use crate::simd::Lanes;
+use crate::simd::{Lanes, MAX_LANES};
 use std::ops::Range;
 
 /// What there is of the rays of a block besides [`Rays`].
@@ -17,41 +18,92 @@ pub(crate) struct BlockStreams {
     pub places: *mut u32,
 }
 
-/// The best t of a place without a ray: nothing is ever nearer.
-const NOBODY: f32 = -1.0;
+/// Where rays come from.
+pub(crate) enum Source<'a> {
+    Batch(&'a Batch),
+    /// Records, and where their rays stand in the batch.
+    Records(&'a [Record], &'a [u32]),
+}
 
-/// `L::N` numbers of rays of the batch: those from `at` on, or whatever stands there in an order.
+/// A vector of rays as they are.
+pub(super) struct Loaded<L: Lanes> {
+    pub origin: [L::F; 3],
+    pub direction: [L::F; 3],
+    pub tmin: L::F,
+    pub tmax: L::F,
+    /// Places in the batch.
+    pub place: L::U,
+}
+
+/// Up to `L::N` rays from place `at` of a source on, of which there are `left`; the other lanes are
+/// anything.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; there are as many rays.
 #[inline(always)]
-unsafe fn load<L: Lanes, const SORTED: bool>(
-    from: &[f32],
-    at: usize,
-    id: L::U,
-    lanes: L::M,
-) -> L::F {
-    // SAFETY: as promised.
+pub(super) unsafe fn load<L: Lanes>(from: &Source, at: usize, left: usize) -> Loaded<L> {
+    const IN_A_ROW: [u32; MAX_LANES] = {
+        let mut row = [0; MAX_LANES];
+        let mut i = 0;
+        while i < MAX_LANES {
+            row[i] = i as u32;
+            i += 1;
+        }
+        row
+    };
+    // SAFETY: as promised; where whole vectors would pass the end, its last rays are read from a copy.
     unsafe {
-        match SORTED {
-            true => L::gather(from.as_ptr(), id, lanes),
-            false => prepare::load::<L>(from, at),
+        match from {
+            Source::Batch(batch) => Loaded {
+                origin: prepare::load3::<L>(&batch.origin, at),
+                direction: prepare::load3::<L>(&batch.direction, at),
+                tmin: prepare::load::<L>(&batch.tmin, at),
+                tmax: prepare::load::<L>(&batch.tmax, at),
+                place: L::count_from(at as u32),
+            },
+            Source::Records(records, places) => {
+                let (mut last, mut last_places) = ([[[0f32; 4]; 2]; MAX_LANES], [0; MAX_LANES]);
+                let (records, places) = match left >= L::N {
+                    true => (records[at..].as_ptr(), places[at..].as_ptr()),
+                    false => {
+                        last[..left].copy_from_slice(&records[at..at + left]);
+                        last_places[..left].copy_from_slice(&places[at..at + left]);
+                        (last.as_ptr(), last_places.as_ptr())
+                    }
+                };
+                let base: *const [f32; 4] = records.cast();
+                let [ox, oy, oz, tmin] = L::gather4::<2>(base, IN_A_ROW.as_ptr());
+                let [dx, dy, dz, tmax] = L::gather4::<2>(base.add(1), IN_A_ROW.as_ptr());
+                Loaded {
+                    origin: [ox, oy, oz],
+                    direction: [dx, dy, dz],
+                    tmin,
+                    tmax,
+                    place: L::load_u(places),
+                }
+            }
         }
     }
 }
 
-/// Brings rays of a batch to the front of their streams, with numbers from 0 on; invalid ones are left out. The last group is filled up.
+/// The best t of a place without a ray: nothing is ever nearer.
+const NOBODY: f32 = -1.0;
+
+/// Brings rays `range` of a source to the front of their streams, with numbers from 0 on; invalid ones are
+/// left out. The last group is filled up.
 ///
 /// # Safety
-/// The processor has `L`'s instruction set; all streams have room for the range and a group.
+/// The processor has `L`'s instruction set; all streams have room for the range, a group and a vector.
 #[inline(always)]
-pub(crate) unsafe fn load_block<L: Lanes, const SORTED: bool>(
-    batch: &Batch,
+pub(crate) unsafe fn load_block<L: Lanes>(
+    from: &Source,
     range: Range<usize>,
-    order: &[u32],
     rays: &Rays,
     streams: &BlockStreams,
 ) -> PreparedRays {
     let shared = rays.shared_origin.is_some();
-    let s = &rays.active;
-    // SAFETY: as promised; ids are of rays of the batch.
+    let (s, ordered) = (&rays.active, &streams.ordered);
+    // SAFETY: as promised.
     unsafe {
         let infinity = L::splat(f32::INFINITY);
         let mut least_tmin = infinity;
@@ -60,21 +112,19 @@ pub(crate) unsafe fn load_block<L: Lanes, const SORTED: bool>(
         let mut n = 0;
         for at in range.clone().step_by(L::N) {
             let left = range.end - at;
-            let lanes = L::first(left);
-            let id = match SORTED {
-                true => L::load_u(order.as_ptr().add(at)),
-                false => L::count_from(at as u32),
-            };
-            let mut origin = [infinity; 3];
-            let mut direction = [infinity; 3];
-            for axis in 0..3 {
-                origin[axis] = load::<L, SORTED>(&batch.origin[axis], at, id, lanes);
-                direction[axis] = load::<L, SORTED>(&batch.direction[axis], at, id, lanes);
-            }
-            let tmin = load::<L, SORTED>(&batch.tmin, at, id, lanes);
-            let tmax = load::<L, SORTED>(&batch.tmax, at, id, lanes);
-            let valid = L::and(prepare::valid::<L>(&origin, &direction, tmin, tmax), lanes);
+            let Loaded {
+                origin,
+                direction,
+                tmin,
+                tmax,
+                place,
+            } = load::<L>(from, at, left);
+            let valid = prepare::valid::<L>(&origin, &direction, tmin, tmax);
+            let valid = L::and(valid, L::first(left));
             least_tmin = L::select(valid, L::min(tmin, least_tmin), least_tmin);
+            special = L::or(special, L::and(valid, ends_far::<L>(tmax)));
+            first_tmax = L::select(valid, L::min(tmax, first_tmax), first_tmax);
+            last_tmax = L::select(valid, L::max(tmax, last_tmax), last_tmax);
             let mut d = direction;
             for axis in 0..3 {
                 let (inverse, finite) = inverse::<L>(direction[axis], rays.precision);
@@ -84,21 +134,15 @@ pub(crate) unsafe fn load_block<L: Lanes, const SORTED: bool>(
                     L::store(s.origin[axis].add(n), L::compress(valid, origin[axis]));
                 }
                 d[axis] = L::compress(valid, direction[axis]);
-                L::store(streams.ordered.direction[axis].add(n), d[axis]);
+                L::store(ordered.direction[axis].add(n), d[axis]);
             }
-            special = L::or(special, L::and(valid, ends_far::<L>(tmax)));
-            first_tmax = L::select(valid, L::min(tmax, first_tmax), first_tmax);
-            last_tmax = L::select(valid, L::max(tmax, last_tmax), last_tmax);
-            let tmin = L::compress(valid, tmin);
-            L::store(streams.ordered.tmin.add(n), tmin);
+            let (tmin, tmax) = (L::compress(valid, tmin), L::compress(valid, tmax));
+            L::store(ordered.tmin.add(n), tmin);
             L::store4(rays.directions.add(n), [d[0], d[1], d[2], tmin]);
-            let tmax = L::compress(valid, tmax);
             L::store(rays.t.add(n), tmax);
             L::store(streams.tmax.add(n), tmax);
-            if !rays.any_hit {
-                L::store_u(rays.prim.add(n), L::splat_u(MISS));
-            }
-            L::store_u(streams.places.add(n), L::compress_u(valid, id));
+            L::store_u(rays.prim.add(n), L::splat_u(MISS));
+            L::store_u(streams.places.add(n), L::compress_u(valid, place));
             n += L::bits(valid).count_ones() as usize;
         }
         for i in n..n.next_multiple_of(GROUP) {
@@ -107,9 +151,9 @@ pub(crate) unsafe fn load_block<L: Lanes, const SORTED: bool>(
                 if !shared {
                     *s.origin[axis].add(i) = *s.origin[axis].add(n - 1);
                 }
-                *streams.ordered.direction[axis].add(i) =
-                    *streams.ordered.direction[axis].add(n - 1);
+                *ordered.direction[axis].add(i) = *ordered.direction[axis].add(n - 1);
             }
+            *ordered.tmin.add(i) = 0.0;
             *rays.t.add(i) = NOBODY;
         }
         PreparedRays {

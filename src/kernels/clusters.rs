@@ -107,3 +107,6 @@ pub(crate) unsafe fn scatter<L: Lanes>(
         *place += 1;
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -404,3 +404,6 @@ unsafe impl<L: Lanes> RayList<L> for InOrder<'_> {
 }
 
 const _: () = assert!(ENTRY == MAX_LANES);
+
+#[cfg(test)]
+mod tests;

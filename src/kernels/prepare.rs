@@ -4,11 +4,11 @@ use super::records::least_of;
 use super::slab::CREEPING;
 use super::{Item, Rays, bins::BinBox};
 use crate::exact::has_area;
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, Triangle};
 use crate::methods::Precision;
 use crate::rays::Batch;
 use crate::simd::Lanes;
-use glam::Vec3;
+use glam::{Vec3, Vec3A, Vec3Swizzles};
 
 /// What the pass over the rays found.
 #[derive(Clone, Copy, Debug)]
@@ -229,6 +229,20 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
     }
 }
 
+/// Whether float32 is certain that a valid triangle has an area.
+///
+/// With u = 2⁻²⁴, each product of two rounded edges is within 3 u of the exact one, and their difference
+/// is rounded once more: less than 5 u (|p| + |q|), and what underflow loses.
+#[inline(always)]
+fn surely_has_area(triangle: &Triangle) -> bool {
+    const BOUND: f32 = 8.0 / (1 << 24) as f32;
+    let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(Vec3A::from);
+    let (ab, ac) = (b - a, c - a);
+    let (p, q) = (ab.yzx() * ac.zxy(), ab.zxy() * ac.yzx());
+    let error = (p.abs() + q.abs()) * BOUND + Vec3A::splat(f32::MIN_POSITIVE);
+    (p - q).abs().cmpgt(error).any()
+}
+
 /// Writes the items of triangles that can be hit (valid and with an area), in file order, and the box
 /// around them; returns how many there are. It looks at as many triangles from `from` on as there is room
 /// for.
@@ -248,7 +262,7 @@ pub(crate) unsafe fn prepare_triangles<L: Lanes>(
         .take(items.len())
         .enumerate()
     {
-        if triangle.is_valid() && has_area(triangle) {
+        if triangle.is_valid() && (surely_has_area(triangle) || has_area(triangle)) {
             items[n] = Item::new(triangle, (from + i) as u32);
             // SAFETY: as promised.
             unsafe { bounds.add::<L>(&items[n]) };

@@ -1,7 +1,7 @@
 //! One instance of every kernel for each instruction set, behind a table of functions.
 
 use super::bins::{self, BinBox, Binning, Bins, Item};
-use super::block::{self, BlockStreams};
+use super::block::{self, BlockStreams, Source};
 use super::clusters::{self, Grid};
 use super::cone::{self, Cones, PreparedCones};
 use super::exact::Exact;
@@ -10,6 +10,7 @@ use super::filter::{self, Keep};
 use super::groups::{self, Entry, Groups, InOrder, Ordered};
 use super::lists::{self, Listed, PreparedLists, Side, TriangleLists};
 use super::naive::{self, Copied, Items, Kept, TriangleList};
+use super::order::{self, Window};
 use super::overlap::{self, Overlap};
 use super::prepare::{self, PreparedRays};
 use super::records::{self, Directions, Done, Indexed, PreparedRecords, Range, RayRecords};
@@ -48,8 +49,8 @@ pub(crate) struct Kernels {
     pub filter_both: unsafe fn(&Rays, List, [&Aabb; 2], [usize; 2]) -> [usize; 2],
     pub count: unsafe fn(&Rays, List, &Aabb, usize) -> (usize, usize),
     pub naive: unsafe fn(&Rays, List, &[Triangle], &[Item]),
-    pub load_block:
-        unsafe fn(&Batch, ops::Range<usize>, Option<&[u32]>, &Rays, &BlockStreams) -> PreparedRays,
+    pub put_in_order: unsafe fn(&Batch, ops::Range<usize>, bool, &Aabb, Window),
+    pub load_block: unsafe fn(&Source, ops::Range<usize>, &Rays, &BlockStreams) -> PreparedRays,
     pub bound_groups: unsafe fn(&Rays, &Groups, usize),
     pub filter_groups:
         unsafe fn(&Rays, &Groups, &[Entry], [&Aabb; 2], [*mut Entry; 2]) -> [usize; 2],
@@ -164,6 +165,7 @@ macro_rules! shells {
                 filter_both,
                 count,
                 naive,
+                put_in_order,
                 load_block,
                 bound_groups,
                 filter_groups,
@@ -307,20 +309,26 @@ macro_rules! shells {
             }
 
             $(#[$feature])?
-            unsafe fn load_block(
+            unsafe fn put_in_order(
                 batch: &Batch,
                 range: ops::Range<usize>,
-                order: Option<&[u32]>,
+                shared: bool,
+                scene: &Aabb,
+                to: Window,
+            ) {
+                // SAFETY: as above.
+                unsafe { order::put_in_order::<L>(batch, range, shared, scene, to) }
+            }
+
+            $(#[$feature])?
+            unsafe fn load_block(
+                from: &Source,
+                range: ops::Range<usize>,
                 rays: &Rays,
                 streams: &BlockStreams,
             ) -> PreparedRays {
                 // SAFETY: as above.
-                unsafe {
-                    match order {
-                        Some(o) => block::load_block::<L, true>(batch, range, o, rays, streams),
-                        None => block::load_block::<L, false>(batch, range, &[], rays, streams),
-                    }
-                }
+                unsafe { block::load_block::<L>(from, range, rays, streams) }
             }
 
             $(#[$feature])?

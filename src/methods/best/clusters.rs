@@ -1,10 +1,9 @@
 //! The first pass over the triangles: their boxes, and clusters of those whose centres lie in one cell
 //! of a grid. The upper splits then are of clusters.
 
-use super::memory::Worker;
+use super::memory::SplitRoom;
 use crate::geometry::{Aabb, Mesh};
 use crate::kernels::{BinBox, Grid, Item, Kernels};
-use std::marker::PhantomData;
 use std::ops::Range;
 
 /// Part of the triangles, for one thread.
@@ -36,40 +35,53 @@ pub(super) fn prepare(kernels: &Kernels, mesh: &Mesh, from: usize, items: &mut [
     Part { from, len, bounds }
 }
 
-/// The grid of all parts together.
-pub(super) fn grid(parts: &[Part], cell_triangles: f32) -> (Aabb, usize, Grid) {
+/// The box around the triangles of all parts, their number, and a grid of no more than so many cells.
+pub(super) fn grid(parts: &[Part], cell_triangles: f32, most: usize) -> (Aabb, usize, Grid) {
     let bounds = parts
         .iter()
         .fold(BinBox::EMPTY, |all, part| all.merged(&part.bounds));
     let triangles = parts.iter().map(|part| part.len).sum::<usize>();
-    let cells = (triangles as f64 / cell_triangles as f64).max(1.0) as usize;
+    let cells = cells(triangles, cell_triangles, most);
     let bounds = bounds.bounds();
     (bounds, triangles, Grid::new(&bounds, cells))
 }
 
-/// Counts the items of each cell in a part.
-pub(super) fn count(
-    kernels: &Kernels,
-    grid: &Grid,
-    items: &[Item],
-    cells: &mut [u32],
-    worker: &mut Worker,
-) {
-    let counts = &mut worker.counts[..grid.cells()];
-    counts.fill(0);
-    worker.boxes[..grid.cells()].fill(BinBox::EMPTY);
-    // SAFETY: the processor was checked.
-    unsafe { (kernels.count_cells)(items, grid, cells, counts) }
+/// Cells for so many triangles.
+pub(super) fn cells(triangles: usize, cell_triangles: f32, most: usize) -> usize {
+    ((triangles as f64 / cell_triangles as f64) as usize).clamp(1, most)
 }
 
-/// Gives each cell that has triangles a number, and each thread's items of it their places. Returns how
-/// many clusters there are.
-pub(super) fn place(grid: &Grid, workers: &mut [Worker], ranges: &mut [[u32; 2]]) -> usize {
-    let (mut clusters, mut from) = (0, 0);
+impl SplitRoom {
+    /// Writes down the cell of each item; returns how many cells have any.
+    pub fn count(
+        &mut self,
+        kernels: &Kernels,
+        grid: &Grid,
+        items: &[Item],
+        cells: &mut [u32],
+    ) -> u32 {
+        let counts = &mut self.counts[..grid.cells()];
+        counts.fill(0);
+        self.boxes[..grid.cells()].fill(BinBox::EMPTY);
+        // SAFETY: the processor was checked.
+        unsafe { (kernels.count_cells)(items, grid, cells, counts) };
+        counts.iter().map(|&count| (count > 0) as u32).sum()
+    }
+}
+
+/// Gives each cell that has triangles a range of places from `from` on, and the items counted in each room
+/// theirs within it. Returns how many clusters there are.
+pub(super) fn place(
+    grid: &Grid,
+    rooms: &mut [SplitRoom],
+    mut from: u32,
+    ranges: &mut [[u32; 2]],
+) -> usize {
+    let mut clusters = 0;
     for cell in 0..grid.cells() {
         let mut to = from;
-        for worker in &mut *workers {
-            to += std::mem::replace(&mut worker.counts[cell], to);
+        for room in &mut *rooms {
+            to += std::mem::replace(&mut room.counts[cell], to);
         }
         if from < to {
             ranges[clusters] = [from, to];
@@ -81,47 +93,44 @@ pub(super) fn place(grid: &Grid, workers: &mut [Worker], ranges: &mut [[u32; 2]]
 }
 
 /// Where items go, cell by cell.
-pub(super) struct Sorted<'a> {
-    items: *mut Item,
-    _memory: PhantomData<&'a mut [Item]>,
-}
+#[derive(Clone, Copy)]
+pub(super) struct Sorted(pub *mut Item);
 
 // SAFETY: each place is written by the one thread that it was given to.
-unsafe impl Sync for Sorted<'_> {}
+unsafe impl Sync for Sorted {}
 
-impl<'a> Sorted<'a> {
-    pub fn new(items: &'a mut [Item]) -> Sorted<'a> {
-        Sorted {
-            items: items.as_mut_ptr(),
-            _memory: PhantomData,
-        }
-    }
-}
-
-/// Moves the items of a part to the places that [`place`] gave them.
-pub(super) fn scatter(
+/// Moves items to the places that [`place`] gave those counted in a room.
+///
+/// # Safety
+/// The places are good for writing, and this thread's own.
+pub(super) unsafe fn scatter(
     kernels: &Kernels,
     items: &[Item],
     cells: &[u32],
-    worker: &mut Worker,
+    room: &mut SplitRoom,
     to: &Sorted,
 ) {
-    let Worker { counts, boxes, .. } = worker;
-    // SAFETY: the processor was checked; the places are this thread's own.
-    unsafe { (kernels.scatter)(items, cells, counts, boxes, to.items) }
+    // SAFETY: the processor was checked; the rest is promised.
+    unsafe { (kernels.scatter)(items, cells, &mut room.counts, &mut room.boxes, to.0) }
 }
 
-/// Makes the clusters, numbered by their place.
-pub(super) fn unite(grid: &Grid, workers: &[Worker], ranges: &[[u32; 2]], clusters: &mut [Item]) {
-    let mut n = 0;
+/// Makes the clusters of the cells that have triangles, numbered from `first` on.
+pub(super) fn unite(
+    grid: &Grid,
+    rooms: &[SplitRoom],
+    first: u32,
+    ranges: &[[u32; 2]],
+    clusters: &mut [Item],
+) {
+    let mut all = ranges.iter().zip(first..).zip(clusters);
     for cell in 0..grid.cells() {
-        let bounds = workers
+        let bounds = rooms
             .iter()
-            .fold(BinBox::EMPTY, |all, worker| all.merged(&worker.boxes[cell]));
-        if !bounds.is_empty() {
-            let [from, to] = ranges[n];
-            clusters[n] = Item::cluster(bounds, n as u32, to - from);
-            n += 1;
+            .fold(BinBox::EMPTY, |all, room| all.merged(&room.boxes[cell]));
+        if !bounds.is_empty()
+            && let Some(((&[from, to], number), cluster)) = all.next()
+        {
+            *cluster = Item::cluster(bounds, number, to - from);
         }
     }
 }

@@ -4,7 +4,8 @@ use super::clusters::Part;
 use super::parameters::MAX_BLOCK;
 use super::splits::Node;
 use crate::kernels::{
-    BinBox, Bins, ENTRY, Entry, GROUP, Groups, Item, MAX_BINS, Ordered, Prepared,
+    BUCKETS, BinBox, Bins, ENTRY, Entry, GROUP, Groups, Item, MAX_BINS, Ordered, Prepared,
+    RayRecord,
 };
 use crate::methods::Counters;
 use crate::rays::active::ActiveRays;
@@ -16,8 +17,6 @@ const ORDERED: usize = 4;
 const BOUNDS: usize = 13;
 /// Lists of groups that are there at a time: two at each of the levels of the recursion.
 const LEVELS: usize = 2 * 100;
-/// Buckets that rays are sorted into: eight octants of 16³ cells.
-pub(super) const BUCKETS: usize = 8 << 12;
 
 /// Memory for traces of up to a number of rays and triangles with a number of threads.
 pub(in crate::methods) struct Memory {
@@ -32,22 +31,19 @@ pub(in crate::methods) struct Memory {
     pub(super) ranges: Vec<[u32; 2]>,
     pub(super) nodes: Vec<Node>,
     pub(super) prepared: Vec<Prepared>,
-    /// The rays of the batch in the order in which they are traced.
-    pub(super) order: Vec<u32>,
-    pub(super) keys: Vec<u16>,
     /// The triangles of each thread.
     pub(super) parts: Vec<Part>,
+    pub(super) rooms: Vec<SplitRoom>,
     pub(super) workers: Vec<Worker>,
 }
 
 /// The memory of one thread.
 pub(super) struct Worker {
-    /// Items of each cell, and where they go.
-    pub counts: Vec<u32>,
-    /// The box of each cell.
-    pub boxes: Vec<BinBox>,
+    /// A window of the batch, in order.
+    pub records: Vec<RayRecord>,
+    pub record_places: Vec<u32>,
+    pub keys: Vec<u16>,
     pub buckets: Vec<u32>,
-    pub room: Box<SplitRoom>,
     /// The records of the block, then lists.
     pub active: ActiveRays,
     pub directions: Vec<[f32; 4]>,
@@ -66,16 +62,20 @@ pub(super) struct Worker {
     pub invalid_rays: u64,
 }
 
-/// Room to split a node.
+/// Room to split nodes, of one thread.
 pub(super) struct SplitRoom {
+    /// Items of each cell, and where they go.
+    pub counts: Vec<u32>,
+    /// The box of each cell.
+    pub boxes: Vec<BinBox>,
     pub bins: [Bins; 3],
     /// `suffix[j]` is the box around bins j and up.
     pub suffix: [BinBox; MAX_BINS],
 }
 
-/// Cells of the grid, of which there is at most one in this many triangles; see `cell_triangles`.
+/// The most cells of a grid, and clusters in all.
 fn cells(triangles: usize) -> usize {
-    triangles.max(1)
+    triangles / 4 + 1024
 }
 
 /// Rays of a block in a batch of so many: whole groups, and as many places as a vector may touch behind
@@ -95,10 +95,9 @@ impl Memory {
             ranges: vec![[0; 2]; cells(triangles)],
             nodes: Node::room(triangles),
             prepared: vec![Prepared::ZERO; triangles],
-            order: vec![0; rays + MAX_LANES],
-            keys: vec![0; rays],
             parts: vec![Part::NONE; threads],
-            workers: (0..threads).map(|_| Worker::new(rays, triangles)).collect(),
+            rooms: (0..threads).map(|_| SplitRoom::new(triangles)).collect(),
+            workers: (0..threads).map(|_| Worker::new(rays)).collect(),
         }
     }
 
@@ -108,24 +107,35 @@ impl Memory {
             + triangles * (size_of::<u32>() + size_of::<Prepared>())
             + cells(triangles) * size_of::<[u32; 2]>()
             + Node::most(triangles) * size_of::<Node>()
-            + (rays + MAX_LANES) * size_of::<u32>()
-            + rays * size_of::<u16>()
-            + threads * (size_of::<Part>() + size_of::<Worker>() + Worker::bytes(rays, triangles))
+            + threads * (size_of::<Part>() + SplitRoom::bytes(triangles) + Worker::bytes(rays))
+    }
+}
+
+impl SplitRoom {
+    fn new(triangles: usize) -> SplitRoom {
+        SplitRoom {
+            counts: vec![0; cells(triangles)],
+            boxes: vec![BinBox::EMPTY; cells(triangles)],
+            bins: [Bins::EMPTY; 3],
+            suffix: [BinBox::EMPTY; MAX_BINS],
+        }
+    }
+
+    fn bytes(triangles: usize) -> usize {
+        size_of::<SplitRoom>() + cells(triangles) * (size_of::<u32>() + size_of::<BinBox>())
     }
 }
 
 impl Worker {
-    fn new(rays: usize, triangles: usize) -> Worker {
+    fn new(rays: usize) -> Worker {
         let block = block(rays);
         let room = block + MAX_LANES;
+        let window = rays.min(MAX_BLOCK);
         Worker {
-            counts: vec![0; cells(triangles)],
-            boxes: vec![BinBox::EMPTY; cells(triangles)],
+            records: vec![[[0.0; 4]; 2]; window],
+            record_places: vec![0; window],
+            keys: vec![0; window],
             buckets: vec![0; BUCKETS],
-            room: Box::new(SplitRoom {
-                bins: [Bins::EMPTY; 3],
-                suffix: [BinBox::EMPTY; MAX_BINS],
-            }),
             active: ActiveRays::new(2 * block),
             directions: vec![[0.0; 4]; room],
             ordered: vec![0.0; ORDERED * room],
@@ -141,12 +151,13 @@ impl Worker {
         }
     }
 
-    fn bytes(rays: usize, triangles: usize) -> usize {
+    fn bytes(rays: usize) -> usize {
         let block = block(rays);
         let room = block + MAX_LANES;
-        cells(triangles) * (size_of::<u32>() + size_of::<BinBox>())
+        let window = rays.min(MAX_BLOCK);
+        size_of::<Worker>()
+            + window * (size_of::<RayRecord>() + size_of::<u32>() + size_of::<u16>())
             + BUCKETS * size_of::<u32>()
-            + size_of::<SplitRoom>()
             + ActiveRays::bytes(2 * block)
             + room * (size_of::<[f32; 4]>() + (ORDERED + 4) * size_of::<f32>())
             + BOUNDS * Self::bounds_len(block) * size_of::<f32>()
@@ -165,11 +176,6 @@ impl Worker {
     /// One more than there can be, for the place behind the last is written to.
     fn ray_entries(block: usize) -> usize {
         block / ENTRY + 1
-    }
-
-    /// How many rays a block may have.
-    pub fn block(&self) -> usize {
-        self.t.len() - MAX_LANES
     }
 
     pub fn ordered(&mut self) -> Ordered {

@@ -22,11 +22,12 @@ pub enum Sort {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BestParameters {
-    /// Rays that go through the splits together, where neighbours go the same way; 64 to 65,536.
+    /// Rays that go through the splits together, where neighbours go the same way; 64 to 262,144.
     pub block: u32,
-    /// Likewise, of rays that were put in order.
+    /// Likewise, at least, of rays that were put in order; a quarter as many as there are triangles if that is
+    /// more, up to the window.
     pub sorted_block: u32,
-    /// Rays that are put in order together; at least 64.
+    /// Rays that are put in order together, and dealt to threads; 64 to 262,144.
     pub window: u32,
     /// Which batches are put in order.
     pub sort: Sort,
@@ -48,8 +49,8 @@ pub(in crate::methods) const FIELDS: [&str; 6] = [
     "cell_triangles",
 ];
 
-/// The largest block: what is looked up by number fits the second-level cache.
-pub(super) const MAX_BLOCK: usize = 1 << 16;
+/// The largest block and window.
+pub(super) const MAX_BLOCK: usize = 1 << 18;
 
 impl BestParameters {
     /// The preset.
@@ -69,18 +70,23 @@ impl BestParameters {
     pub fn check(&self) -> Result<(), BadParameter> {
         let block = |size: u32| (64..=MAX_BLOCK).contains(&(size as usize));
         first_bad(&[
-            ("block", self.block as f64, block(self.block), "64 to 65536"),
+            (
+                "block",
+                self.block as f64,
+                block(self.block),
+                "64 to 262144",
+            ),
             (
                 "sorted_block",
                 self.sorted_block as f64,
                 block(self.sorted_block),
-                "64 to 65536",
+                "64 to 262144",
             ),
             (
                 "window",
                 self.window as f64,
-                self.window >= 64,
-                "a whole number of at least 64",
+                block(self.window),
+                "64 to 262144",
             ),
             (
                 "flush",

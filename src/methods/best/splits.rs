@@ -1,8 +1,11 @@
 //! Splits of the triangles, made where rays first come and kept for the blocks and threads that follow.
 
+use super::clusters::{self, Sorted};
 use super::memory::SplitRoom;
 use crate::geometry::{Aabb, Triangle};
-use crate::kernels::{BinBox, Binning, CHUNK, Copies, Item, ItemList, Kernels, Prepared, Rays};
+use crate::kernels::{
+    BinBox, Binning, CHUNK, Copies, Grid, Item, ItemList, Kernels, Prepared, Rays,
+};
 use std::marker::PhantomData;
 use std::slice;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -11,22 +14,30 @@ use std::sync::atomic::{AtomicU32, Ordering};
 pub(super) const LEAF: usize = CHUNK;
 /// Bins of a split; fewer where there are few triangles. 8 and 32 take as long.
 const BINS: usize = 16;
+/// Clusters of more triangles than this are made into smaller ones.
+const GATHERED: usize = 1024;
 /// From this depth on nodes are halved by number, so that the recursion ends.
 const MAX_DEPTH: u8 = 64;
 
 /// A subproblem's triangles.
 pub(super) struct Node {
     pub bounds: Aabb,
-    /// Range of the clusters, or of the items.
-    from: u32,
-    to: u32,
-    /// How many triangles they are.
-    pub weight: u32,
+    part: Part,
     /// What has become of it: [`NEW`], [`BUSY`], or an encoded [`State`].
     state: AtomicU32,
     /// On which it was split.
     pub axis: u8,
     pub depth: u8,
+}
+
+/// Part of the triangles.
+#[derive(Clone, Copy)]
+struct Part {
+    /// Range of the clusters, or of the items.
+    from: u32,
+    to: u32,
+    /// How many triangles they are.
+    weight: u32,
     of_clusters: bool,
 }
 
@@ -73,21 +84,30 @@ impl Node {
     /// If there are more than 2²⁹ triangles.
     pub fn room(triangles: usize) -> Vec<Node> {
         assert!(triangles <= 1 << 29, "at most 2^29 triangles");
-        let nothing = || Node::new(Aabb::EMPTY, [0, 0], 0, 0, false);
-        (0..Node::most(triangles)).map(|_| nothing()).collect()
+        let nothing = Part {
+            from: 0,
+            to: 0,
+            weight: 0,
+            of_clusters: false,
+        };
+        (0..Node::most(triangles))
+            .map(|_| Node::new(Aabb::EMPTY, nothing, 0))
+            .collect()
     }
 
-    fn new(bounds: Aabb, [from, to]: [u32; 2], weight: u32, depth: u8, of_clusters: bool) -> Node {
+    fn new(bounds: Aabb, part: Part, depth: u8) -> Node {
         Node {
             bounds,
-            from,
-            to,
-            weight,
+            part,
             state: AtomicU32::new(NEW),
             axis: 0,
             depth,
-            of_clusters,
         }
+    }
+
+    /// Number of triangles; of a leaf that was opened, without the copies that were dropped.
+    pub fn weight(&self) -> usize {
+        self.part.weight as usize
     }
 }
 
@@ -103,8 +123,14 @@ pub(super) struct Splits<'a> {
     scratch: *mut Item,
     clusters: *mut Item,
     cluster_scratch: *mut Item,
+    cluster_count: AtomicU32,
+    most_clusters: u32,
     /// Items of each cluster.
-    ranges: &'a [[u32; 2]],
+    ranges: *mut [u32; 2],
+    /// The cell of each item.
+    cells: *mut u32,
+    /// Triangles for each cell.
+    cell_triangles: f32,
     nodes: *mut Node,
     node_count: AtomicU32,
     prepared: *mut Prepared,
@@ -119,8 +145,11 @@ unsafe impl Sync for Splits<'_> {}
 pub(super) struct Places<'a> {
     pub items: &'a mut [Item],
     pub scratch: &'a mut [Item],
+    /// The first ones, numbered by their place, and room for more.
     pub clusters: &'a mut [Item],
     pub cluster_scratch: &'a mut [Item],
+    pub ranges: &'a mut [[u32; 2]],
+    pub cells: &'a mut [u32],
     pub nodes: &'a mut [Node],
     pub prepared: &'a mut [Prepared],
 }
@@ -136,22 +165,29 @@ struct Cut {
 }
 
 impl<'a> Splits<'a> {
-    /// Nothing is split yet. Clusters are numbered by their place.
+    /// Nothing is split yet; there are so many clusters.
     pub fn new(
         kernels: &'static Kernels,
         triangles: &'a [Triangle],
         bounds: Aabb,
-        ranges: &'a [[u32; 2]],
+        clusters: usize,
+        cell_triangles: f32,
         places: Places<'a>,
     ) -> Splits<'a> {
         let weight = places.items.len() as u32;
         assert_eq!(places.items.len(), places.scratch.len());
-        assert!(
-            places.clusters.len() == ranges.len() && places.cluster_scratch.len() >= ranges.len()
-        );
+        let lens = [places.cluster_scratch.len(), places.ranges.len()];
+        assert_eq!(lens, [places.clusters.len(); 2]);
+        assert!(clusters <= places.clusters.len() && places.cells.len() >= places.items.len());
         assert!(places.nodes.len() >= Node::most(weight as usize));
         assert!(places.prepared.len() >= weight as usize);
-        places.nodes[0] = Node::new(bounds, [0, ranges.len() as u32], weight, 0, true);
+        let all = Part {
+            from: 0,
+            to: clusters as u32,
+            weight,
+            of_clusters: true,
+        };
+        places.nodes[0] = Node::new(bounds, all, 0);
         Splits {
             kernels,
             triangles,
@@ -159,7 +195,11 @@ impl<'a> Splits<'a> {
             scratch: places.scratch.as_mut_ptr(),
             clusters: places.clusters.as_mut_ptr(),
             cluster_scratch: places.cluster_scratch.as_mut_ptr(),
-            ranges,
+            cluster_count: AtomicU32::new(clusters as u32),
+            most_clusters: places.clusters.len() as u32,
+            ranges: places.ranges.as_mut_ptr(),
+            cells: places.cells.as_mut_ptr(),
+            cell_triangles,
             nodes: places.nodes.as_mut_ptr(),
             node_count: AtomicU32::new(1),
             prepared: places.prepared.as_mut_ptr(),
@@ -180,7 +220,7 @@ impl<'a> Splits<'a> {
     #[inline(always)]
     pub fn leaf(&self, first: usize, node: &Node) -> &[Prepared] {
         // SAFETY: they were written before the state was, and are not changed.
-        unsafe { slice::from_raw_parts(self.prepared.add(first), node.weight as usize) }
+        unsafe { slice::from_raw_parts(self.prepared.add(first), node.weight()) }
     }
 
     /// Splits a node, or prepares its triangles, if no rays have come to it before. Counts the items that
@@ -212,8 +252,9 @@ impl<'a> Splits<'a> {
                 }
             }
         }
-        let made = match self.node(at).weight as usize <= LEAF {
-            true => self.prepare(at, rays),
+        let part = self.node(at).part;
+        let made = match part.weight as usize <= LEAF {
+            true => self.prepare(part, rays),
             false => self.split(at, rays, room, binned),
         };
         state.store(made.encode(), Ordering::Release);
@@ -224,7 +265,7 @@ impl<'a> Splits<'a> {
     #[inline]
     pub fn prefetch(&self, at: usize) {
         let node = self.node(at);
-        let (p, len): (*const f32, usize) = match State::decode(node.state.load(Ordering::Relaxed))
+        let (p, len): (*const f32, usize) = match State::decode(node.state.load(Ordering::Acquire))
         {
             None => return,
             // SAFETY: within the room for both.
@@ -233,7 +274,7 @@ impl<'a> Splits<'a> {
             },
             // SAFETY: as above.
             Some(State::Leaf(first)) => unsafe {
-                let len = node.weight as usize * size_of::<Prepared>();
+                let len = node.weight() * size_of::<Prepared>();
                 (self.prepared.add(first).cast(), len)
             },
         };
@@ -241,17 +282,17 @@ impl<'a> Splits<'a> {
         unsafe { (self.kernels.prefetch)(p, len) }
     }
 
-    /// Items of a node, and as much scratch.
+    /// Items of a part, and as much scratch.
     ///
     /// # Safety
-    /// The node is this thread's.
+    /// The part is that of a node of this thread.
     #[allow(clippy::mut_from_ref)]
-    unsafe fn items_of(&self, node: &Node) -> (&mut [Item], &mut [Item]) {
-        let (items, scratch) = match node.of_clusters {
+    unsafe fn items_of(&self, part: Part) -> (&mut [Item], &mut [Item]) {
+        let (items, scratch) = match part.of_clusters {
             true => (self.clusters, self.cluster_scratch),
             false => (self.items, self.scratch),
         };
-        let (from, len) = (node.from as usize, (node.to - node.from) as usize);
+        let (from, len) = (part.from as usize, (part.to - part.from) as usize);
         // SAFETY: nodes that are not each other's ancestors have other items, and those of the ancestors
         // are not looked at any more.
         unsafe {
@@ -262,18 +303,17 @@ impl<'a> Splits<'a> {
         }
     }
 
-    /// Prepares the triangles of a node.
-    fn prepare(&self, at: usize, rays: &Rays) -> State {
-        let node = self.node(at);
+    /// Prepares the triangles of a leaf.
+    fn prepare(&self, part: Part, rays: &Rays) -> State {
         let mut together = [Item::ZERO; LEAF];
         let mut n = 0;
         // SAFETY: the node is this thread's.
-        let (items, _) = unsafe { self.items_of(node) };
-        let items = match node.of_clusters {
+        let (items, _) = unsafe { self.items_of(part) };
+        let items = match part.of_clusters {
             false => &*items,
             true => {
                 for cluster in items {
-                    let [from, to] = self.ranges[cluster.prim() as usize].map(|i| i as usize);
+                    let [from, to] = self.range(cluster).map(|i| i as usize);
                     // SAFETY: items of a cluster of this node.
                     let of = unsafe { slice::from_raw_parts(self.items.add(from), to - from) };
                     together[n..n + of.len()].copy_from_slice(of);
@@ -294,16 +334,19 @@ impl<'a> Splits<'a> {
 
     /// Splits a node by the surface area heuristic, on the axis on which the centres are spread furthest.
     fn split(&self, at: usize, rays: &Rays, room: &mut SplitRoom, binned: &mut u64) -> State {
-        // SAFETY: the node is this thread's until its state is written.
-        let node = unsafe { &mut *self.nodes.add(at) };
-        if node.of_clusters && node.to - node.from == 1 {
-            // SAFETY: as above.
-            let cluster = unsafe { &*self.clusters.add(node.from as usize) };
-            [node.from, node.to] = self.ranges[cluster.prim() as usize];
-            node.of_clusters = false;
+        let node = self.node(at);
+        let (bounds, depth, mut part) = (node.bounds, node.depth, node.part);
+        if part.of_clusters && part.to - part.from == 1 {
+            // SAFETY: the clusters of the node are this thread's until its state is written.
+            let cluster = unsafe { &*self.clusters.add(part.from as usize) };
+            [part.from, part.to] = self.range(cluster);
+            part.of_clusters = false;
+            if part.weight as usize > GATHERED {
+                part = self.gather(&bounds, part, room);
+            }
         }
         // SAFETY: as above.
-        let (items, scratch) = unsafe { self.items_of(node) };
+        let (items, scratch) = unsafe { self.items_of(part) };
         // SAFETY: the processor was checked.
         let extent = unsafe { (self.kernels.spread_of_centers)(items) };
         let axis = (1..3).fold(0, |best, axis| match extent[axis] > extent[best] {
@@ -311,13 +354,13 @@ impl<'a> Splits<'a> {
             false => best,
         });
         let mut cut = None;
-        if extent[axis] > 0.0 && node.depth < MAX_DEPTH {
+        if extent[axis] > 0.0 && depth < MAX_DEPTH {
             let bins = BINS.min(items.len().max(4) / 2);
-            let binning = Binning::new(&node.bounds, axis, bins);
+            let binning = Binning::new(&bounds, axis, bins);
             *binned += items.len() as u64;
             // SAFETY: as above.
             unsafe { (self.kernels.bin)(items, &[binning], &mut room.bins) };
-            cut = least_cost(room, binning, node.weight);
+            cut = least_cost(room, binning, part.weight);
         }
         let (n, left, right, weight) = match cut {
             Some(cut) => {
@@ -328,20 +371,22 @@ impl<'a> Splits<'a> {
                 (n, cut.left, cut.right, cut.weight)
             }
             None => {
-                if !node.of_clusters {
+                if !part.of_clusters {
                     let mut list = ItemList {
                         triangles: self.triangles,
                         len: items.len(),
                         items: &mut *items,
                     };
                     list.drop_copies(LEAF + 1);
-                    node.weight = list.len as u32;
-                    node.to = node.from + node.weight;
+                    part.weight = list.len as u32;
+                    part.to = part.from + part.weight;
                     if list.len <= LEAF {
-                        return self.prepare(at, rays);
+                        // SAFETY: the node is this thread's, and nobody else looks at its part.
+                        unsafe { (*self.nodes.add(at)).part = part };
+                        return self.prepare(part, rays);
                     }
                 }
-                let items = &items[..(node.to - node.from) as usize];
+                let items = &items[..(part.to - part.from) as usize];
                 let (left, right) = items.split_at(items.len() / 2);
                 // SAFETY: as above.
                 let unite = |items| unsafe { (self.kernels.unite)(items) }.bounds();
@@ -349,36 +394,90 @@ impl<'a> Splits<'a> {
                 (left.len(), unite(left), unite(right), weight)
             }
         };
-        if !node.of_clusters {
-            self.prefetch_leaves(&items[..n]);
-            self.prefetch_leaves(&items[n..]);
-        }
-        let mid = node.from + n as u32;
+        let mid = part.from + n as u32;
+        let parts = [
+            Part {
+                to: mid,
+                weight,
+                ..part
+            },
+            Part {
+                from: mid,
+                weight: part.weight - weight,
+                ..part
+            },
+        ];
         let first = self.node_count.fetch_add(2, Ordering::Relaxed) as usize;
-        let child = |bounds, range, weight| {
-            Node::new(bounds, range, weight, node.depth + 1, node.of_clusters)
-        };
-        // SAFETY: there is room for as many nodes as can be, and these two are nobody else's.
-        unsafe {
-            let to = self.nodes.add(first);
-            to.write(child(left, [node.from, mid], weight));
-            to.add(1)
-                .write(child(right, [mid, node.to], node.weight - weight));
+        for ((i, part), bounds) in parts.into_iter().enumerate().zip([left, right]) {
+            if !part.of_clusters && part.weight as usize <= LEAF {
+                self.prefetch_corners(part);
+            }
+            // SAFETY: there is room for as many nodes as can be, and these two are nobody else's.
+            unsafe {
+                self.nodes
+                    .add(first + i)
+                    .write(Node::new(bounds, part, depth + 1))
+            };
         }
-        node.axis = axis as u8;
+        // SAFETY: the node is this thread's, and nobody else looks at its axis.
+        unsafe { (*self.nodes.add(at)).axis = axis as u8 };
         State::Split(first)
     }
 
-    /// If items will be a leaf, brings their corners near.
-    fn prefetch_leaves(&self, items: &[Item]) {
-        if items.len() <= LEAF {
-            for item in items {
-                let triangle = &self.triangles[item.prim() as usize];
-                // SAFETY: the processor was checked.
-                unsafe {
-                    let p = std::ptr::from_ref(triangle).cast();
-                    (self.kernels.prefetch)(p, size_of::<Triangle>());
-                }
+    /// Items of a cluster.
+    fn range(&self, cluster: &Item) -> [u32; 2] {
+        // SAFETY: ranges are written before their clusters.
+        unsafe { *self.ranges.add(cluster.prim() as usize) }
+    }
+
+    /// Makes clusters of the items of a part, if they are in more than one cell of a grid and there is room
+    /// for more clusters.
+    fn gather(&self, bounds: &Aabb, part: Part, room: &mut SplitRoom) -> Part {
+        // SAFETY: the node is this thread's, and so are the cells of its items.
+        let ((items, scratch), cells) = unsafe {
+            let cells = self.cells.add(part.from as usize);
+            let len = part.weight as usize;
+            (self.items_of(part), slice::from_raw_parts_mut(cells, len))
+        };
+        let most = self.most_clusters as usize;
+        let cells_wanted = clusters::cells(items.len(), self.cell_triangles, most);
+        let grid = Grid::new(bounds, cells_wanted);
+        let parts = room.count(self.kernels, &grid, items, cells);
+        let full = |count: u32| Some(count + parts).filter(|&n| n <= self.most_clusters);
+        let order = Ordering::Relaxed;
+        let first = match parts {
+            0 | 1 => return part,
+            _ => self.cluster_count.fetch_update(order, order, full),
+        };
+        let Ok(first) = first else { return part };
+        // SAFETY: the processor was checked; the clusters from `first` on are this thread's.
+        unsafe {
+            let ranges = slice::from_raw_parts_mut(self.ranges.add(first as usize), parts as usize);
+            let clusters =
+                slice::from_raw_parts_mut(self.clusters.add(first as usize), parts as usize);
+            clusters::place(&grid, slice::from_mut(room), part.from, ranges);
+            clusters::scatter(self.kernels, items, cells, room, &Sorted(self.scratch));
+            items.copy_from_slice(scratch);
+            clusters::unite(&grid, slice::from_ref(room), first, ranges, clusters);
+        }
+        Part {
+            from: first,
+            to: first + parts,
+            of_clusters: true,
+            ..part
+        }
+    }
+
+    /// Brings near the corners of what will be a leaf.
+    fn prefetch_corners(&self, part: Part) {
+        // SAFETY: the node is this thread's.
+        let (items, _) = unsafe { self.items_of(part) };
+        for item in items {
+            let triangle = &self.triangles[item.prim() as usize];
+            // SAFETY: the processor was checked.
+            unsafe {
+                let p = std::ptr::from_ref(triangle).cast();
+                (self.kernels.prefetch)(p, size_of::<Triangle>());
             }
         }
     }

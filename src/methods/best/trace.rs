@@ -1,13 +1,14 @@
 //! One trace: a pass over the triangles, then blocks of rays, one after another or dealt to threads.
 
-use super::clusters;
+use super::clusters::{self, Sorted};
 use super::divide::Divide;
-use super::memory::{Memory, Worker};
-use super::order;
+use super::memory::{Memory, SplitRoom, Worker};
+use super::order::is_incoherent;
 use super::splits::{Places, Splits};
 use super::watched::Watched;
 use super::{BestParameters, Sort};
-use crate::kernels::{BlockStreams, Rays, Tmax};
+use crate::geometry::Aabb;
+use crate::kernels::{BlockStreams, Rays, Source, Tmax, Window};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
 use crate::methods::watch::Watch;
@@ -45,72 +46,49 @@ pub(in crate::methods) fn trace(
         *part = clusters::prepare(kernels, mesh, from, items);
     });
 
-    let (scene, triangles, grid) = clusters::grid(parts, parameters.cell_triangles);
+    let (scene, triangles, grid) =
+        clusters::grid(parts, parameters.cell_triangles, memory.clusters.len());
     let sorted = match parameters.sort {
-        Sort::Auto => order::is_incoherent(batch),
+        Sort::Auto => is_incoherent(batch),
         Sort::Never => false,
         Sort::Always => true,
     };
-    let window = parameters.window as usize;
-    let windows = if sorted { n.div_ceil(window) } else { 0 };
-    let rays_share = |i: usize| (windows * i / threads * window).min(n);
-    let (mut cells, mut order, mut keys) =
-        (&mut *memory.cells, &mut *memory.order, &mut *memory.keys);
+    let rooms = &mut memory.rooms[..threads];
     let items = &memory.items;
-    let tasks = workers
-        .iter_mut()
-        .zip(&*parts)
-        .enumerate()
-        .map(|(i, (worker, part))| {
-            let cells = split_off(&mut cells, share(i + 1) - share(i));
-            let rays = rays_share(i)..rays_share(i + 1);
-            let order = split_off(&mut order, rays.len());
-            let keys = split_off(&mut keys, rays.len());
-            (worker, part, cells, rays, order, keys)
-        });
-    each(
-        threads,
-        tasks,
-        |(worker, part, cells, rays, order, keys)| {
-            clusters::count(kernels, &grid, &items[part.range()], cells, worker);
-            let parts = order.chunks_mut(window).zip(keys.chunks_mut(window));
-            for ((order, keys), from) in parts.zip(rays.step_by(window)) {
-                let rays = from..from + order.len();
-                let shared = job.shared_origin.is_some();
-                order::sort(
-                    batch,
-                    rays,
-                    shared,
-                    &scene,
-                    order,
-                    keys,
-                    &mut worker.buckets,
-                );
-            }
-        },
-    );
-
-    let clusters = clusters::place(&grid, workers, &mut memory.ranges);
-    let places = clusters::Sorted::new(&mut memory.sorted[..triangles]);
+    let mut cells = &mut *memory.cells;
+    let tasks = rooms.iter_mut().zip(&*parts).enumerate();
+    let tasks = tasks.map(|(i, (room, part))| {
+        let cells = split_off(&mut cells, share(i + 1) - share(i));
+        (room, part, cells)
+    });
+    each(threads, tasks, |(room, part, cells)| {
+        room.count(kernels, &grid, &items[part.range()], cells);
+    });
+    let clusters = clusters::place(&grid, rooms, 0, &mut memory.ranges);
+    let places = Sorted(memory.sorted.as_mut_ptr());
     let cells = &memory.cells;
-    let tasks = workers.iter_mut().zip(&*parts).enumerate();
-    each(threads, tasks, |(i, (worker, part))| {
+    let tasks = rooms.iter_mut().zip(&*parts).enumerate();
+    each(threads, tasks, |(i, (room, part))| {
         let cells = &cells[share(i)..];
-        clusters::scatter(kernels, &items[part.range()], cells, worker, &places);
+        // SAFETY: there are as many places as items.
+        unsafe { clusters::scatter(kernels, &items[part.range()], cells, room, &places) };
     });
     let ranges = &memory.ranges[..clusters];
-    clusters::unite(&grid, workers, ranges, &mut memory.clusters);
+    clusters::unite(&grid, rooms, 0, ranges, &mut memory.clusters);
 
     let splits = Splits::new(
         kernels,
         mesh.triangles(),
         scene,
-        ranges,
+        clusters,
+        parameters.cell_triangles,
         Places {
             items: &mut memory.sorted[..triangles],
             scratch: &mut memory.items[..triangles],
-            clusters: &mut memory.clusters[..clusters],
+            clusters: &mut memory.clusters,
             cluster_scratch: &mut memory.cluster_scratch,
+            ranges: &mut memory.ranges,
+            cells: &mut memory.cells,
             nodes: &mut memory.nodes,
             prepared: &mut memory.prepared,
         },
@@ -119,18 +97,16 @@ pub(in crate::methods) fn trace(
         job,
         parameters,
         splits: &splits,
-        order: sorted.then_some(&memory.order),
+        scene,
+        sorted,
         out: Out::new(&mut answer),
-        size: match sorted {
-            true => parameters.sorted_block,
-            false => parameters.block,
-        } as usize,
         next: AtomicUsize::new(0),
     };
-    match workers {
-        [worker] => blocks.trace(worker, triangles, watch.take()),
-        _ => each(threads, workers.iter_mut(), |worker| {
-            blocks.trace(worker, triangles, None);
+    let tasks = workers.iter_mut().zip(rooms);
+    match tasks.len() {
+        1 => tasks.for_each(|(worker, room)| blocks.trace(worker, room, watch.take())),
+        _ => each(threads, tasks, |(worker, room)| {
+            blocks.trace(worker, room, None)
         }),
     }
     if let Answer::Nearest(hits) = answer {
@@ -208,25 +184,33 @@ impl Out {
     }
 }
 
-/// Blocks of rays that are dealt to threads.
+/// Rays that are dealt to threads: a block at a time, or a window if they are put in order.
 struct Blocks<'a> {
     job: &'a Job<'a>,
     parameters: &'a BestParameters,
     splits: &'a Splits<'a>,
-    /// Of the rays, if not that of the batch.
-    order: Option<&'a Vec<u32>>,
+    scene: Aabb,
+    sorted: bool,
     out: Out,
-    /// Rays of a block.
-    size: usize,
     /// The first ray that nobody has taken.
     next: AtomicUsize,
 }
 
 impl Blocks<'_> {
-    /// Traces blocks until there are none left.
-    fn trace(&self, worker: &mut Worker, triangles: usize, mut watch: Option<&mut Watch>) {
+    /// Traces rays until there are none left.
+    fn trace(&self, worker: &mut Worker, room: &mut SplitRoom, mut watch: Option<&mut Watch>) {
         let n = self.job.batch.len();
-        let size = self.size.min(worker.block());
+        let BestParameters {
+            block,
+            sorted_block,
+            window,
+            ..
+        } = *self.parameters;
+        let size = if self.sorted { window } else { block } as usize;
+        let triangles = self.splits.node(0).weight();
+        let sorted_block = (triangles / 4)
+            .next_power_of_two()
+            .max(sorted_block as usize);
         worker.counters = Counters::default();
         worker.invalid_rays = 0;
         loop {
@@ -235,15 +219,41 @@ impl Blocks<'_> {
                 return;
             }
             let range = from..n.min(from + size);
-            self.trace_block(worker, range, triangles, watch.as_deref_mut());
+            let mut source = Source::Batch(self.job.batch);
+            if !self.sorted {
+                self.trace_block(worker, room, &source, range, watch.as_deref_mut());
+                continue;
+            }
+            // Taken out of the worker while its other memory is in use.
+            let mut records = std::mem::take(&mut worker.records);
+            let mut places = std::mem::take(&mut worker.record_places);
+            let window = Window {
+                records: &mut records,
+                places: &mut places,
+                keys: &mut worker.keys,
+                buckets: &mut worker.buckets,
+            };
+            let (kernels, shared) = (self.job.kernels, self.job.shared_origin.is_some());
+            // SAFETY: the processor was checked.
+            unsafe {
+                (kernels.put_in_order)(self.job.batch, range.clone(), shared, &self.scene, window);
+            }
+            source = Source::Records(&records[..range.len()], &places[..range.len()]);
+            for from in (0..range.len()).step_by(sorted_block) {
+                let block = from..range.len().min(from + sorted_block);
+                self.trace_block(worker, room, &source, block, watch.as_deref_mut());
+            }
+            (worker.records, worker.record_places) = (records, places);
         }
     }
 
+    /// Traces some rays of a source.
     fn trace_block(
         &self,
         worker: &mut Worker,
+        room: &mut SplitRoom,
+        from: &Source,
         range: Range<usize>,
-        triangles: usize,
         watch: Option<&mut Watch>,
     ) {
         let (job, kernels) = (self.job, self.job.kernels);
@@ -270,20 +280,17 @@ impl Blocks<'_> {
                 one: None,
                 each: streams.tmax,
             },
-            ahead: false,
-            scene: self.splits.node(0).bounds,
+            ahead: range.len() > AHEAD_FROM,
+            scene: self.scene,
         };
-        let order = self.order.map(|order| &order[..]);
-        // SAFETY: the processor was checked; the memory has room for the block, and the order is a
-        // permutation of the rays.
-        let prepared =
-            unsafe { (kernels.load_block)(job.batch, range.clone(), order, &rays, &streams) };
+        // SAFETY: the processor was checked; the memory has room for the block.
+        let prepared = unsafe { (kernels.load_block)(from, range.clone(), &rays, &streams) };
         rays.special = prepared.special;
         rays.least_tmin = prepared.least_tmin;
         rays.tmax.one = prepared.one_tmax;
         worker.invalid_rays += (range.len() - prepared.valid) as u64;
         let places = &worker.places[..prepared.valid];
-        if triangles > 0 && prepared.valid > 0 {
+        if self.splits.node(0).weight() > 0 && prepared.valid > 0 {
             let watch = watch.and_then(|watch| {
                 let ray = places.iter().position(|&place| place == watch.id)?;
                 watch.ray.least_tmin = prepared.least_tmin;
@@ -295,7 +302,7 @@ impl Blocks<'_> {
                 kernels,
                 parameters: self.parameters,
                 splits: self.splits,
-                room: &mut worker.room,
+                room,
                 rays,
                 ordered: streams.ordered,
                 groups,
@@ -308,18 +315,18 @@ impl Blocks<'_> {
             divide.start(prepared.valid);
         }
         // SAFETY: the memory is the worker's own.
-        unsafe { self.write(&rays, range, places) }
+        unsafe { self.write(&rays, from, range, places) }
     }
 
-    /// Writes the answers of a block whose valid rays have these places in the batch.
+    /// Writes the answers of rays of a source, of which the valid ones have these places in the batch.
     ///
     /// # Safety
     /// The best hits in `rays` are there for each of them.
-    unsafe fn write(&self, rays: &Rays, range: Range<usize>, places: &[u32]) {
+    unsafe fn write(&self, rays: &Rays, from: &Source, range: Range<usize>, places: &[u32]) {
         let all_valid = places.len() == range.len();
-        let place = |i: usize| match self.order {
-            Some(order) => order[i] as usize,
-            None => i,
+        let place = |i: usize| match from {
+            Source::Batch(_) => i,
+            Source::Records(_, places) => places[i] as usize,
         };
         // SAFETY: places of the batch that no other thread has.
         unsafe {
@@ -348,3 +355,7 @@ impl Blocks<'_> {
         }
     }
 }
+
+/// Blocks of more rays than this do not fit the second-level cache: what is looked up by number is
+/// fetched ahead.
+const AHEAD_FROM: usize = 1 << 16;

@@ -129,6 +129,6 @@ fn place(node: &Node) -> Place {
     Place {
         depth: node.depth as u32,
         bounds: node.bounds,
-        triangles: node.weight as usize,
+        triangles: node.weight(),
     }
 }
