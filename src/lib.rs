@@ -1,6 +1,7 @@
 //! Divide-and-conquer ray tracing (DACRT): finds the nearest hit, or any hit, of a whole batch of
-//! rays against a triangle soup by splitting rays and triangles together, without building and
-//! storing an acceleration structure.
+//! rays against a triangle soup by splitting rays and triangles together. The methods of the papers
+//! build and store no acceleration structure; [`Method::Best`] keeps the splits that it makes for the
+//! length of a trace.
 //!
 //! ```
 //! use dacrt::{Batch, Hits, Mesh, Method, Ray, Tracer, Triangle};
@@ -50,7 +51,8 @@
 //! * [`scene`] loads OBJ and PLY meshes and makes scenes, [`workloads`] makes the rays of an
 //!   experiment.
 //!
-//! One thread so far. A trace costs a pass over all triangles, however few the rays; the README says
+//! [`Method::Best`] takes as many threads as [`Tracer::with_threads`] says, the others one. A trace costs a
+//! pass over all triangles, however few the rays; the README says
 //! when another method is the better choice, and how fast this one is beside Embree.
 
 pub mod bench;

@@ -145,6 +145,10 @@ impl<L: Lanes> SlabBox<L> {
                     exit = L::select(stays, L::splat(f32::NEG_INFINITY), exit);
                 }
             }
+            if SPECIAL {
+                // As in `interval`.
+                exit = L::min(exit, L::splat(f32::MAX));
+            }
             L::mul_sub(exit, L::splat(SHRINK), L::splat(UNDERFLOW))
         }
     }

@@ -164,6 +164,32 @@ fn a_workspace_is_linear_in_rays_and_triangles() {
     }
 }
 
+/// As above, for `best`.
+#[test]
+fn a_workspace_for_best_is_linear_in_triangles_and_in_the_rays_of_a_block() {
+    let parameters = Method::Best.parameters();
+    let bytes = |rays, triangles, threads| {
+        Workspace::bytes_for(&parameters, rays, triangles, threads) as i64
+    };
+    let constant = bytes(0, 0, 1);
+    assert!((700_000..800_000).contains(&constant), "{constant}");
+    for triangles in [4, 4000, 30_000_000] {
+        assert_eq!(bytes(0, triangles, 1) - constant, 271 * triangles as i64);
+        let third = bytes(0, triangles, 3) - bytes(0, triangles, 2);
+        assert_eq!(
+            third - (bytes(0, 0, 3) - bytes(0, 0, 2)),
+            9 * triangles as i64
+        );
+    }
+    for rays in [64, 6400, 1 << 18] {
+        assert!(
+            bytes(rays, 0, 1) - constant <= 257 * rays as i64 + 1000,
+            "{rays}"
+        );
+    }
+    assert_eq!(bytes(1 << 30, 7, 2), bytes(1 << 18, 7, 2));
+}
+
 #[test]
 fn methods_of_one_family_share_workspaces() {
     let family = |method: Method| match method {

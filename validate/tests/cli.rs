@@ -129,8 +129,8 @@ fn run_measures_and_writes_every_cell() {
         "{text}"
     );
     // And no progress bar without a terminal.
-    let warning = "warning: no acceleration ratio of Mora's methods without an afra2012 cell with \
-                   all of its defaults\n";
+    let warning = "warning: no acceleration ratio of best and Mora's methods without an afra2012 \
+                   cell with all of its defaults\n";
     assert_eq!(run.stderr(), warning);
 
     let document = folder.json("out.json");

@@ -126,7 +126,7 @@ fn sweeps_keep_to_the_schema_and_damaged_ones_do_not() {
         ("/resolution/0", json!([512])),
         ("/resolution/0", json!(0)),
         ("/rays/0", json!("secondary")),
-        ("/methods/0", json!("best")),
+        ("/methods/0", json!("worst")),
         ("/parameters/bins", json!([])),
         ("/parameters/bins/0", json!("many")),
         ("/parameters/binz", json!([1])),

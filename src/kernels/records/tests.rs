@@ -503,6 +503,25 @@ proptest! {
 }
 
 #[test]
+fn a_ray_that_leaves_a_cell_beyond_the_largest_t_is_not_done_before_it() {
+    let far = -8.901813e17;
+    let near_cell = Aabb {
+        min: Vec3::new(far, -0.12106231, 0.0),
+        max: Vec3::new(0.0, 0.0, 1.74368),
+    };
+    let far_cell = Aabb {
+        min: Vec3::new(far, -8.550188e17, 0.0),
+        max: Vec3::new(far, 0.0, 0.6320445),
+    };
+    let origin = Vec3::new(0.0, -6.322612e-39, 0.5);
+    let ray = Ray::new(origin, Vec3::new(-7.546155e-39, 0.0, -0.0));
+    let cells = [near_cell, far_cell];
+    let exit = two_cells_on(&ray, &cells).0;
+    assert!(exit < f32::MAX, "{exit:e}");
+    assert!(before(exit).all(|t| is_done_with(&ray, &cells, t)));
+}
+
+#[test]
 fn a_ray_within_the_plane_between_two_cells_is_not_done() {
     let lower = Aabb {
         min: Vec3::splat(-1.0),

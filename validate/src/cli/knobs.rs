@@ -400,7 +400,8 @@ mod tests {
         let mut known: Vec<String> = KNOBS.iter().map(|(name, _)| field(name)).collect();
         known.push("variant".to_owned());
         known.sort();
-        let kinds = [Method::Afra2012, Method::Mora2011].map(|m| fields(&m.parameters()));
+        let kinds =
+            [Method::Afra2012, Method::Mora2011, Method::Best].map(|m| fields(&m.parameters()));
         let mut all: Vec<String> = kinds.iter().flat_map(Map::keys).cloned().collect();
         all.sort();
         assert_eq!(known, all);
