@@ -241,6 +241,9 @@ pub struct RunArgs {
     /// Keep the finished cells of the file given by --out
     #[arg(long)]
     pub resume: bool,
+    /// Time other libraries, too: obvhs, bvh (dacrt must be built with --features peers)
+    #[arg(long)]
+    pub peers: bool,
     #[command(flatten)]
     pub meshes: MeshArgs,
     #[command(flatten)]
