@@ -18,6 +18,7 @@ pub mod measure;
 pub mod merge;
 pub mod npy;
 pub mod parameters;
+pub mod peers;
 pub mod results;
 pub mod schema;
 pub mod statistics;

@@ -139,6 +139,9 @@ pub struct Cell {
     pub ratio_embree_trace: Option<f64>,
     /// Its 95 % bootstrap interval.
     pub ratio_embree_trace_interval: Option<[f64; 2]>,
+    /// Other libraries on the same rays, where they were asked for; an entry for each builder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub peers: Vec<PeerTimes>,
 }
 
 impl Cell {
@@ -209,6 +212,32 @@ pub struct EmbreeTimes {
     pub trace_prepacked_ms: BTreeMap<String, f64>,
     /// Memory of the scene in Embree.
     pub bytes: usize,
+}
+
+/// A builder of another library on the rays of a cell, with one thread.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PeerTimes {
+    /// Name of the crate.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+    /// Layout of the tree and quality of the build.
+    pub builder: String,
+    /// The widest instruction set that this program was compiled for: `sse2`, `avx2` or `avx512`.
+    pub compiled_for: String,
+    /// Median milliseconds of a build.
+    pub build_ms: f64,
+    /// Median milliseconds of a trace.
+    pub trace_ms: f64,
+    /// Milliseconds of each build.
+    pub build_samples_ms: Vec<f64>,
+    /// Milliseconds of each trace.
+    pub trace_samples_ms: Vec<f64>,
+    /// Rays whose hit is not ours: another triangle, or t apart by more than 10⁻⁴ of it. A number,
+    /// not a finding: the precision of a library is its own.
+    pub differing_rays: usize,
+    /// Memory of the tree and the triangles in it; `None` if the library does not tell.
+    pub bytes: Option<usize>,
 }
 
 /// Why a result file cannot be used.

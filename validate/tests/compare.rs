@@ -97,6 +97,7 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
         ratio_embree_total_interval: None,
         ratio_embree_trace: Some(99.0),
         ratio_embree_trace_interval: None,
+        peers: Vec::new(),
     }
 }
 

@@ -112,6 +112,7 @@ fn cell(method: &str) -> Cell {
         ratio_embree_total_interval: None,
         ratio_embree_trace: Some(3.0),
         ratio_embree_trace_interval: None,
+        peers: Vec::new(),
     }
 }
 

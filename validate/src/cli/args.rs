@@ -241,6 +241,9 @@ pub struct RunArgs {
     /// Keep the finished cells of the file given by --out
     #[arg(long)]
     pub resume: bool,
+    /// Time other libraries, too: obvhs, bvh (dacrt must be built with --features peers)
+    #[arg(long)]
+    pub peers: bool,
     #[command(flatten)]
     pub meshes: MeshArgs,
     #[command(flatten)]
@@ -333,13 +336,15 @@ Without an option, the table that `dacrt run` printed. --over has a line a batch
 value: how many times as fast as with the default value, and as afra2012 (`<`, `>`: the 95 %
 interval lies below, above 1). --errors has times and counts of wrong answers of ours and of both
 modes of Embree, batches with the most errors of ours first; the more rays `dacrt run --exact-all`
-judged, the more it can tell. --csv has a line a cell and a column for each key of the result file.
+judged, the more it can tell. --memory has a line a cell: our workspace beside the trees of Embree
+and of other libraries. --csv has a line a cell and a column for each key of the result file.
 
 Examples:
   dacrt table results/2026-11-22-zen5-1024.json.gz
   dacrt table dacrt-bins.json --over bins
   dacrt table dacrt-run.json --over method
   dacrt table dacrt-run.json --errors
+  dacrt table dacrt-run.json --memory
   dacrt table dacrt-run.json --csv > run.csv")]
 pub struct TableArgs {
     /// Result file, plain or gzip
@@ -353,6 +358,9 @@ pub struct TableArgs {
     /// Write comma-separated values instead
     #[arg(long, conflicts_with_all = ["over", "errors"])]
     pub csv: bool,
+    /// Memory: our workspace beside the trees of Embree and of other libraries
+    #[arg(long, conflicts_with_all = ["over", "errors", "csv"])]
+    pub memory: bool,
 }
 
 /// What is drawn.

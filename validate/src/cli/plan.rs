@@ -14,6 +14,7 @@ use dacrt::{Isa, Method, Parameters, Precision};
 use dacrt_validate::embree::{Mode, Quality, Query};
 use dacrt_validate::machine::Machine;
 use dacrt_validate::parameters::{is_baseline, own_fields};
+use dacrt_validate::peers;
 use dacrt_validate::sweep::SweepRun;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -93,6 +94,8 @@ pub struct RunPlan {
     pub mesh_folders: Vec<PathBuf>,
     pub out: PathBuf,
     pub resume: bool,
+    /// Whether other libraries are timed, too.
+    pub peers: bool,
     /// The sweep that this is, or is a shard of.
     pub sweep: Option<SweepRun>,
     pub warnings: Vec<String>,
@@ -101,6 +104,11 @@ pub struct RunPlan {
 impl RunPlan {
     /// Makes sense of what was typed.
     pub fn new(args: &RunArgs) -> anyhow::Result<RunPlan> {
+        ensure!(
+            !args.peers || !peers::ALL.is_empty(),
+            "--peers: this dacrt was built without other libraries; build it by \
+             `cargo build --release -p dacrt-validate --features peers`"
+        );
         let engine = engine(&args.engine)?;
         let mesh_folders = mesh_folders(&args.meshes);
         let request = Request {
@@ -123,6 +131,7 @@ impl RunPlan {
             mesh_folders,
             out: args.out.clone(),
             resume: args.resume,
+            peers: args.peers,
             sweep: None,
             warnings,
         })

@@ -89,6 +89,7 @@ fn plan(args: &SweepArgs) -> anyhow::Result<RunPlan> {
         mesh_folders,
         out,
         resume: true,
+        peers: false,
         sweep: Some(SweepRun {
             file,
             shard: args.shard.map(|s| [s.place, s.of]),

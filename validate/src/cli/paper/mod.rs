@@ -110,6 +110,7 @@ fn plan(args: &PaperArgs, film: Film, figure: &mut Figure) -> anyhow::Result<Run
         mesh_folders,
         out: args.out.clone(),
         resume: args.resume,
+        peers: false,
         sweep: None,
         warnings,
     })

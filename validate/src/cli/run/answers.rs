@@ -4,6 +4,7 @@ use dacrt::{Batch, Hits};
 use dacrt::{Mesh, Trace, Tracer, Workspace};
 use dacrt_validate::embree::{Query, Scene};
 use dacrt_validate::judge;
+use dacrt_validate::peers::Tree;
 
 /// The answers to one batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +74,14 @@ impl Answers {
         match self {
             Answers::Nearest(hits) => scene.nearest(batch, query, hits),
             Answers::Any(occluded) => scene.any(batch, query, occluded),
+        }
+    }
+
+    /// Fills in what the tree of another library finds.
+    pub fn trace_peer(&mut self, tree: &dyn Tree, batch: &Batch) {
+        match self {
+            Answers::Nearest(hits) => tree.nearest(batch, hits),
+            Answers::Any(occluded) => tree.any(batch, occluded),
         }
     }
 }

@@ -1,12 +1,13 @@
 //! From what was measured and found on one batch to the cells of the result file.
 
 use super::contest::Times;
-use super::reference::Reference;
+use super::reference::{PeerTree, Reference};
 use crate::cli::plan::Contestant;
 use dacrt::Precision;
 use dacrt_validate::embree::{Best, Mode, Quality, Query};
 use dacrt_validate::parameters::own_fields;
-use dacrt_validate::results::{Cell, CellKey, EmbreeTimes};
+use dacrt_validate::peers;
+use dacrt_validate::results::{Cell, CellKey, EmbreeTimes, PeerTimes};
 use dacrt_validate::statistics::{median, paired_ratio};
 use std::collections::BTreeMap;
 
@@ -56,7 +57,11 @@ pub fn enter_times(
     contestants: &[Contestant],
     times: &Times,
     reference: &Reference,
+    peers: &[Peer],
 ) {
+    let peers: Vec<PeerTimes> = (peers.iter().zip(&times.peers))
+        .map(|(peer, traces)| peer.times(traces))
+        .collect();
     let in_modes = Mode::ALL.map(|mode| (mode, Embree::new(mode, times, reference)));
     for (place, &cell) in passed.iter().enumerate() {
         if times.unstable.contains(&place) {
@@ -92,6 +97,36 @@ pub fn enter_times(
         cell.ratio_embree_trace = trace.map(|r| r.ratio);
         cell.ratio_embree_trace_interval = trace.map(|r| r.interval);
         cell.embree = embree.map(|e| e.times.clone());
+        cell.peers = peers.clone();
+    }
+}
+
+/// A tree of another library that traced the batch without panic.
+pub struct Peer<'a> {
+    pub built: &'a PeerTree,
+    /// Rays whose hit is not ours.
+    pub differing_rays: usize,
+}
+
+impl Peer<'_> {
+    fn times(&self, traces: &[f64]) -> PeerTimes {
+        let PeerTree {
+            peer,
+            tree,
+            samples_ms,
+        } = self.built;
+        PeerTimes {
+            name: peer.name.to_owned(),
+            version: peer.version.to_owned(),
+            builder: peer.builder.to_owned(),
+            compiled_for: peers::compiled_for().to_owned(),
+            build_ms: middle(samples_ms),
+            trace_ms: middle(traces),
+            build_samples_ms: samples_ms.clone(),
+            trace_samples_ms: traces.to_vec(),
+            differing_rays: self.differing_rays,
+            bytes: tree.bytes(),
+        }
     }
 }
 

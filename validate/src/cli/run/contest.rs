@@ -1,7 +1,7 @@
-//! The timed part: our methods and Embree take turns on one batch.
+//! The timed part: our methods, Embree and other libraries take turns on one batch.
 
 use super::answers::Answers;
-use super::reference::{Built, Reference};
+use super::reference::{Built, PeerTree, Reference};
 use crate::cli::engine::Workspaces;
 use dacrt::{Batch, Mesh, Parameters, Precision, Tracer};
 use dacrt_validate::embree::{Mode, Quality, Query};
@@ -32,6 +32,8 @@ pub struct Times {
     pub embree: Vec<Traced>,
     /// For each mode and query on the quality that it is fastest on.
     pub prepacked: Vec<Traced>,
+    /// For each tree of another library.
+    pub peers: Vec<Vec<f64>>,
     /// Entrants whose answers were once not those that had been validated.
     pub unstable: Vec<usize>,
 }
@@ -56,16 +58,20 @@ impl Traced {
     }
 }
 
-/// Measures the entrants and the modes of Embree that they are set against.
+/// Measures the entrants, the modes of Embree that they are set against, and other libraries.
+///
+/// # Panics
+/// If there are no entrants.
 pub fn contest(
     mesh: &Mesh,
     batch: &Batch,
     entrants: &[Entrant],
     workspaces: &mut Workspaces,
     reference: &Reference,
-    any: bool,
+    peers: &[&PeerTree],
     repeats: u32,
 ) -> Times {
+    let any = matches!(entrants[0].answers, Answers::Any(_));
     let ours = entrants.len();
     let against = |mode| (entrants.iter()).any(|e| Mode::against(e.precision) == mode);
     let combinations: Vec<(&Built, Query)> = (reference.contestants.iter())
@@ -76,8 +82,12 @@ pub fn contest(
     let mut unstable = Vec::new();
     let run = |i: usize| -> Result<f64, Infallible> {
         let Some(entrant) = entrants.get(i) else {
-            let (built, query) = combinations[i - ours];
-            return Ok(milliseconds(|| answers.trace_embree(&built.scene, batch, query)).1);
+            let i = i - ours;
+            let trace = || match combinations.get(i) {
+                Some((built, query)) => answers.trace_embree(&built.scene, batch, *query),
+                None => answers.trace_peer(&*peers[i - combinations.len()].tree, batch),
+            };
+            return Ok(milliseconds(trace).1);
         };
         let workspace = workspaces.of(&entrant.parameters);
         let (_, ms) = milliseconds(|| answers.trace(&entrant.tracer, mesh, batch, workspace));
@@ -87,13 +97,16 @@ pub fn contest(
         Ok(ms)
     };
     let give_up = |first: &[Vec<f64>]| {
-        let embree: Vec<f64> = first[ours..].iter().map(|s| s[0]).collect();
+        let embree = &first[ours..ours + combinations.len()];
+        let embree: Vec<f64> = embree.iter().map(|s| s[0]).collect();
         let of = |&(built, query): &(&Built, Query)| ((built.mode, built.quality), query);
         let combinations: Vec<_> = combinations.iter().map(of).collect();
         let out = hopeless(&embree, &combinations);
         out.into_iter().map(|i| i + ours).collect()
     };
-    let Ok(mut samples) = interleave(ours + combinations.len(), repeats as usize, run, give_up);
+    let all = ours + combinations.len() + peers.len();
+    let Ok(mut samples) = interleave(all, repeats as usize, run, give_up);
+    let peer_samples = samples.split_off(ours + combinations.len());
     let embree_samples = samples.split_off(ours);
 
     let mut prepacked = Vec::new();
@@ -119,6 +132,7 @@ pub fn contest(
             .map(|(&(built, query), samples)| Traced::new(built, query, samples))
             .collect(),
         prepacked,
+        peers: peer_samples,
         unstable,
     }
 }

@@ -15,7 +15,7 @@ use super::table::Report;
 use super::text::print;
 use super::{Verdict, command_line};
 use anyhow::ensure;
-use cells::enter_times;
+use cells::{Peer, enter_times};
 use contest::{Entrant, contest};
 use dacrt::scene::Scene;
 use dacrt::workloads::{Film, Workload};
@@ -25,8 +25,9 @@ use dacrt_validate::embree::{Device, Mode, Query};
 use dacrt_validate::hash::{hit_hash, ray_hash};
 use dacrt_validate::judge::Judge;
 use dacrt_validate::machine::{Machine, Software};
+use dacrt_validate::peers;
 use dacrt_validate::results::{Cell, CellKey, Document, SCHEMA};
-use reference::Reference;
+use reference::{PeerTree, Reference};
 
 pub use answers::Answers;
 pub use cells::BatchKey;
@@ -91,6 +92,7 @@ pub fn execute(
             let key = batch_key(job, round);
             let finished: Option<Vec<Cell>> = (round.contestants.iter())
                 .map(|c| document.finished(&key.cell(c)).cloned())
+                .map(|cell| cell.filter(|cell| !plan.peers || lacks_no_peers(cell)))
                 .collect();
             match finished {
                 Some(cells) => finish(&key, round, &cells, Origin::Resumed)?,
@@ -106,6 +108,10 @@ pub fn execute(
         let timed: Vec<Mode> = Mode::ALL.into_iter().filter(is_timed).collect();
         let bench = Bench {
             reference: Reference::build(&device, &scene.mesh, plan.repeats, &timed, progress)?,
+            peers: match plan.peers {
+                true => PeerTree::build_all(&scene.mesh, plan.repeats, progress),
+                false => Vec::new(),
+            },
             judge: Judge::new(&scene.mesh),
             scene: &scene,
             view: &job.view,
@@ -125,6 +131,11 @@ pub fn execute(
         }
     }
     Ok((document, findings))
+}
+
+/// Whether a cell has the times of other libraries, or no times at all.
+fn lacks_no_peers(cell: &Cell) -> bool {
+    !cell.peers.is_empty() || cell.samples_ms.is_none()
 }
 
 /// A sweep ends with its own cells and no others, all measured alike.
@@ -195,6 +206,8 @@ struct Bench<'a> {
     view: &'a View,
     plan: &'a RunPlan,
     reference: Reference,
+    /// Trees of other libraries, where they are asked for.
+    peers: Vec<PeerTree>,
     judge: Judge<'a>,
     progress: &'a Progress,
 }
@@ -296,6 +309,7 @@ impl Bench<'_> {
                 ratio_embree_total_interval: None,
                 ratio_embree_trace: None,
                 ratio_embree_trace_interval: None,
+                peers: Vec::new(),
             });
             if !is_finding {
                 entrants.push(Entrant {
@@ -332,13 +346,15 @@ impl Bench<'_> {
         if batch.is_empty() || entrants.is_empty() {
             return;
         }
+        let peers = self.check_peers(batch, &entrants[0].answers, round.rays.is_any_hit());
+        let trees: Vec<&PeerTree> = peers.iter().map(|peer| peer.built).collect();
         let times = contest(
             &self.scene.mesh,
             batch,
             entrants,
             workspaces,
             &self.reference,
-            round.rays.is_any_hit(),
+            &trees,
             self.plan.repeats,
         );
         for &i in &times.unstable {
@@ -348,7 +364,33 @@ impl Bench<'_> {
             ));
         }
         let passed: Vec<usize> = entrants.iter().map(|entrant| entrant.place).collect();
-        enter_times(cells, &passed, &round.contestants, &times, &self.reference);
+        enter_times(
+            cells,
+            &passed,
+            &round.contestants,
+            &times,
+            &self.reference,
+            &peers,
+        );
+    }
+
+    /// Holds the hits of other libraries against ours; leaves out those that panic, and warns.
+    fn check_peers(&self, batch: &Batch, ours: &Answers, any: bool) -> Vec<Peer<'_>> {
+        let checked = self.peers.iter().filter_map(|built| {
+            let PeerTree { peer, tree, .. } = built;
+            let mut theirs = Answers::room(batch.len(), any);
+            let traced = peers::unless_it_panics(|| theirs.trace_peer(&**tree, batch));
+            if traced.is_none() {
+                let warning = format!("{} {}: panics, and is left out", peer.name, peer.builder);
+                self.progress.warn(&warning);
+                return None;
+            }
+            Some(Peer {
+                built,
+                differing_rays: peers::differing_rays(ours.view(), theirs.view()),
+            })
+        });
+        checked.collect()
     }
 }
 

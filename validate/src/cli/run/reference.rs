@@ -1,8 +1,10 @@
-//! Embree's scenes of one mesh, and what it took to build them.
+//! The scenes of Embree and the trees of other libraries of one mesh, and what it took to build
+//! them.
 
 use crate::cli::progress::Progress;
 use dacrt::Mesh;
 use dacrt_validate::embree::{Device, Mode, Quality, Scene};
+use dacrt_validate::peers::{self, Peer, Tree};
 
 /// A quality whose builds have taken this long together is not built again.
 const BUILD_BUDGET_MS: f64 = 5_000.0;
@@ -83,6 +85,47 @@ impl Reference {
         let mut all = timed.chain(self.judges.iter().map(|(mode, scene)| (*mode, scene)));
         let scene = all.find(|(m, _)| *m == mode);
         scene.expect("each mode is built").1
+    }
+}
+
+/// A tree of another library and the times of all its builds.
+pub struct PeerTree {
+    pub peer: Peer,
+    pub tree: Box<dyn Tree>,
+    pub samples_ms: Vec<f64>,
+}
+
+impl PeerTree {
+    /// Builds each `repeats` times in turn, fewer times where that takes long, after one build that
+    /// is not timed. Without those that panic, and warns of them.
+    pub fn build_all(mesh: &Mesh, repeats: u32, progress: &Progress) -> Vec<PeerTree> {
+        let build = |peer: &Peer| {
+            progress.step(&format!("{} builds ({})", peer.name, peer.builder));
+            peer.build(mesh)
+        };
+        let mut trees = Vec::new();
+        for peer in peers::ALL {
+            if let Some((tree, _)) = build(peer) {
+                trees.push(PeerTree {
+                    peer: *peer,
+                    tree,
+                    samples_ms: Vec::new(),
+                });
+            } else if !mesh.is_empty() {
+                progress.warn(&format!("{} {}: no tree", peer.name, peer.builder));
+            }
+        }
+        for _ in 0..repeats {
+            for built in &mut trees {
+                if built.samples_ms.iter().sum::<f64>() < BUILD_BUDGET_MS
+                    && let Some((tree, ms)) = build(&built.peer)
+                {
+                    built.tree = tree;
+                    built.samples_ms.push(ms);
+                }
+            }
+        }
+        trees
     }
 }
 

@@ -2,7 +2,7 @@
 //! geometric means at the end. 100 columns at most.
 
 use crate::cli::text::thousands;
-use dacrt_validate::results::Cell;
+use dacrt_validate::results::{Cell, PeerTimes};
 use dacrt_validate::statistics::{Ratio, geometric_mean};
 
 /// One line: one cell.
@@ -23,6 +23,39 @@ pub struct Row {
     pub bad: u64,
     /// How many rays, and of how many, the printed rule of termination gets wrong, if it was used.
     pub printed_rule: Option<(u64, u64)>,
+    /// Other libraries.
+    pub peers: Vec<Peer>,
+}
+
+/// A library at its best over our method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Peer {
+    pub name: String,
+    /// Least median build + median trace of its builders over our time.
+    pub total: f64,
+    /// Least median trace over our time.
+    pub trace: f64,
+}
+
+impl Peer {
+    /// All libraries of a cell, in the order of its entries.
+    fn all(cell: &Cell) -> Vec<Peer> {
+        let Some(ours) = cell.median_ms else {
+            return Vec::new();
+        };
+        let of_name = |builders: &[PeerTimes]| {
+            let least = |time: fn(&PeerTimes) -> f64| {
+                builders.iter().map(time).fold(f64::INFINITY, f64::min) / ours
+            };
+            Peer {
+                name: builders[0].name.clone(),
+                total: least(|peer| peer.build_ms + peer.trace_ms),
+                trace: least(|peer| peer.trace_ms),
+            }
+        };
+        let by_name = cell.peers.chunk_by(|a, b| a.name == b.name);
+        by_name.map(of_name).collect()
+    }
 }
 
 impl Row {
@@ -40,12 +73,13 @@ impl Row {
             differing: cell.diff.differing,
             bad: cell.diff.wrong(),
             printed_rule: cell.printed_rule_wrong.map(|n| (n, cell.ray_count as u64)),
+            peers: Peer::all(cell),
         }
     }
 
     /// The lines under the row: what tells it from others of its method, and what was found.
     fn notes(&self) -> String {
-        let mut text = label_line(&self.label);
+        let mut text = label_line(&self.label) + &peer_line(&self.peers);
         if let Some((wrong, rays)) = self.printed_rule {
             let (wrong, rays) = (thousands(wrong), thousands(rays));
             text += &label_line(&format!(
@@ -81,6 +115,12 @@ pub const LEGEND: &str = "
 vs afra2012, vs Embree: how many times as fast as that. total: with Embree's build; trace: without.
 diff: rays whose hit is wrong / rays on which Embree differs, most often by float32 rounding where
 triangles meet. 0/5 is good, 1/5 a finding. More: dacrt run --help
+";
+
+/// What the lines of other libraries mean.
+pub const PEER_LEGEND: &str = "\
+vs another library: how many times as fast as that, at the best of its builders; total: with its
+build; trace: without. How many of its hits are not ours is in the result file (`differing_rays`).
 ";
 
 /// The lines of one batch, slowest method first so that a loss is not overlooked.
@@ -129,6 +169,12 @@ impl Means {
         }
     }
 
+    /// Whether there are other libraries.
+    pub fn has_peers(&self) -> bool {
+        let mut rows = self.0.iter().flat_map(|(_, rows)| rows);
+        rows.any(|row| !row.peers.is_empty())
+    }
+
     /// The lines, in the columns of the table; empty if there is nothing to average over.
     pub fn text(&self) -> String {
         if self.0.iter().all(|(_, rows)| rows.len() < 2) {
@@ -150,9 +196,39 @@ impl Means {
                 mean(|r| r.embree_trace),
             );
             text += &label_line(&rows[0].label);
+            text += &peer_line(&mean_peers(rows));
         }
         text
     }
+}
+
+/// The geometric means of the libraries that all rows have.
+fn mean_peers(rows: &[Row]) -> Vec<Peer> {
+    let mean = |first: &Peer| {
+        let of_name = |row: &Row| row.peers.iter().find(|p| p.name == first.name).cloned();
+        let all: Vec<Peer> = rows.iter().map(of_name).collect::<Option<_>>()?;
+        let mean =
+            |value: fn(&Peer) -> f64| geometric_mean(&all.iter().map(value).collect::<Vec<_>>());
+        Some(Peer {
+            name: first.name.clone(),
+            total: mean(|p| p.total)?,
+            trace: mean(|p| p.trace)?,
+        })
+    };
+    rows[0].peers.iter().filter_map(mean).collect()
+}
+
+/// `vs obvhs 1.23/0.88, bvh 12.3/9.87` under a row; empty without libraries.
+fn peer_line(peers: &[Peer]) -> String {
+    if peers.is_empty() {
+        return String::new();
+    }
+    let text = |peer: &Peer| {
+        let (total, trace) = (number(Some(peer.total)), number(Some(peer.trace)));
+        format!("{} {total}/{trace}", peer.name)
+    };
+    let texts: Vec<String> = peers.iter().map(text).collect();
+    label_line(&format!("vs {} (total/trace)", texts.join(", ")))
 }
 
 /// A line under a row.
@@ -234,6 +310,14 @@ mod tests {
         }
     }
 
+    fn slow_peer(name: &str) -> Peer {
+        Peer {
+            name: name.to_owned(),
+            total: 12.345,
+            trace: 0.0123,
+        }
+    }
+
     #[test]
     fn no_line_is_over_100_columns() {
         let wide = Ratio {
@@ -243,13 +327,15 @@ mod tests {
         let wrong = Row {
             bad: 1_234_567,
             printed_rule: Some((1_234_567, 16_777_216)),
+            peers: ["tinybvh-rs", "obvhs", "bvh"].map(slow_peer).to_vec(),
             ..row("mora2011-random", 1.0, wide)
         };
         let rows = [row("mora2011-random", 12_345.6, wide), wrong];
         let text = heads()
             + &section("sanmiguel-tables", "ambient-occlusion", &rows)
             + &section("a name of a user's own", "primary", &rows)
-            + LEGEND;
+            + LEGEND
+            + PEER_LEGEND;
         assert!(text.contains("\nsanmiguel-tables ambient-occlusion mora2011-random "));
         assert!(text.contains(" 10.2 [10.1, 10.6] "), "{text}");
         assert!(text.contains(" 1.2M/1.2M\n"), "{text}");
@@ -294,6 +380,29 @@ mod tests {
         assert_eq!(part(0, 1_234_567), "0/1.2M");
         assert_eq!(part(12_345, 999_999), "12k/1.0M");
         assert_eq!(part(9_999, 33_000_000), "9999/33M");
+    }
+
+    #[test]
+    fn a_library_is_at_its_best() {
+        let even = Ratio {
+            ratio: 1.0,
+            interval: [1.0, 1.0],
+        };
+        let peers = vec![slow_peer("obvhs")];
+        let with_peers = Row {
+            peers,
+            ..row("best", 1.0, even)
+        };
+        let text = section("hall", "primary", std::slice::from_ref(&with_peers));
+        assert!(
+            text.ends_with("  vs obvhs 12.35/0.012 (total/trace)\n"),
+            "{text}"
+        );
+        let mut means = Means::default();
+        means.add("primary", &with_peers);
+        assert!(means.has_peers());
+        means.add("primary", &row("best", 1.0, even));
+        assert!(!means.text().contains("obvhs"), "not all cells have it");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod csv;
 mod errors;
 mod lines;
+mod memory;
 pub mod over;
 mod report;
 
@@ -24,6 +25,7 @@ pub fn table(args: &TableArgs) -> anyhow::Result<Verdict> {
         Some(name) => over::one(&document, name)
             .with_context(|| format!("{path}: --over {name}: {}", nothing_over(&document)))?,
         None if args.csv => csv::text(&document)?,
+        None if args.memory => memory::text(&document),
         None if args.errors => errors::text(&document).with_context(|| {
             format!("{path}: --errors: its errors were not counted; `dacrt run` counts them")
         })?,

@@ -49,6 +49,10 @@ impl Report {
 
     /// The means and what the columns mean.
     pub fn end(self) -> String {
-        self.means.text() + lines::LEGEND
+        let peers = match self.means.has_peers() {
+            true => lines::PEER_LEGEND,
+            false => "",
+        };
+        self.means.text() + lines::LEGEND + peers
     }
 }
