@@ -64,7 +64,7 @@ impl Workspaces {
     /// The one for these parameters.
     pub fn of(&mut self, parameters: &Parameters) -> &mut Workspace {
         let (rays, triangles) = (self.rays, self.triangles);
-        let suits = |w: &Workspace| w.suits(parameters, rays, triangles);
+        let suits = |w: &Workspace| w.suits(parameters, rays, triangles, 1);
         let place = self.made.iter().position(suits).unwrap_or_else(|| {
             self.made.push(Workspace::new(parameters, rays, triangles));
             self.made.len() - 1
