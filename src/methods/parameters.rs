@@ -74,4 +74,10 @@ impl Parameters {
             Parameters::Best(parameters) => parameters.check(),
         }
     }
+
+    /// Whether a trace can use more than one thread: of the methods `best` alone. The others follow
+    /// their papers.
+    pub fn takes_threads(&self) -> bool {
+        matches!(self, Parameters::Best(_))
+    }
 }

@@ -62,8 +62,8 @@ impl Tracer {
         Tracer { isa, ..self }
     }
 
-    /// With so many threads, at least 1, which only `best` has use for. The hits stay the same, the counters
-    /// do not quite.
+    /// With so many threads, at least 1. Only [`best`](Parameters::takes_threads) has use for more than one;
+    /// other methods trace with one. The hits stay the same to the bit, the counters do not quite.
     pub fn with_threads(self, threads: usize) -> Tracer {
         Tracer {
             threads: threads.max(1),
@@ -98,11 +98,11 @@ impl Tracer {
 
     /// Finds the nearest hit of every ray: the least (t, prim), misses as [`Hits`] has them.
     ///
-    /// Allocates nothing.
+    /// Allocates nothing with one thread; more are started anew for each trace.
     ///
     /// # Panics
-    /// If the workspace is too small for the batch, the mesh or the threads, or for another kind of method, or `hits` has another length than
-    /// the batch.
+    /// If no thread can be started, the workspace is too small for the batch, the mesh or the
+    /// threads, or for another kind of method, or `hits` has another length than the batch.
     pub fn nearest(
         &self,
         mesh: &Mesh,
@@ -118,11 +118,11 @@ impl Tracer {
 
     /// Finds for every ray whether it hits anything: 1 if it does, 0 if not.
     ///
-    /// Allocates nothing.
+    /// Allocates nothing with one thread; more are started anew for each trace.
     ///
     /// # Panics
-    /// If the workspace is too small for the batch, the mesh or the threads, or for another kind of method, or `occluded` has another length
-    /// than the batch.
+    /// If no thread can be started, the workspace is too small for the batch, the mesh or the
+    /// threads, or for another kind of method, or `occluded` has another length than the batch.
     pub fn any(
         &self,
         mesh: &Mesh,
@@ -137,7 +137,8 @@ impl Tracer {
 
     /// As [`Tracer::nearest`], and what becomes of one ray, step by step; no step for an invalid ray.
     ///
-    /// Looks for the ray in the list of each node: up to twice the time. Allocates the steps.
+    /// Looks for the ray in the list of each node: up to twice the time. Allocates the steps. Traces with
+    /// one thread.
     ///
     /// # Panics
     /// As [`Tracer::nearest`], and if there is no such ray.

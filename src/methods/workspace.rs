@@ -58,15 +58,23 @@ impl Workspace {
         }
     }
 
-    /// Whether it can be used with these parameters, for so many rays and triangles, by one thread.
-    pub fn suits(&self, parameters: &Parameters, rays: usize, triangles: usize) -> bool {
+    /// Whether it can be used with these parameters, for so many rays and triangles, by so many threads;
+    /// how many does not matter to methods that take one alone.
+    pub fn suits(
+        &self,
+        parameters: &Parameters,
+        rays: usize,
+        triangles: usize,
+        threads: usize,
+    ) -> bool {
         let same_family = matches!(
             (parameters, &self.memory),
             (Parameters::Object(_), Memory::Object(_))
                 | (Parameters::Space(_), Memory::Space(_))
                 | (Parameters::Best(_), Memory::Best(_))
         );
-        same_family && rays <= self.rays && triangles <= self.triangles
+        let enough_threads = threads <= self.threads || !parameters.takes_threads();
+        same_family && enough_threads && rays <= self.rays && triangles <= self.triangles
     }
 
     /// Bytes that it takes.
@@ -78,7 +86,8 @@ impl Workspace {
         }
     }
 
-    /// Bytes that a workspace for these parameters and so many rays and triangles takes.
+    /// Bytes that a workspace for these parameters, so many rays and triangles and so many threads, at
+    /// least 1, takes.
     ///
     /// Where lists of triangles are split: 84 a ray, with the rays rounded up to a multiple of 16,
     /// + 20 a ray + 64 a triangle + what it is for none.
@@ -101,7 +110,7 @@ impl Workspace {
         match parameters {
             Parameters::Object(_) => object::Memory::bytes(rays, triangles),
             Parameters::Space(_) => space::Memory::bytes(rays, triangles),
-            Parameters::Best(_) => best::Memory::bytes(rays, triangles, threads),
+            Parameters::Best(_) => best::Memory::bytes(rays, triangles, threads.max(1)),
         }
     }
 

@@ -120,14 +120,14 @@ fn a_workspace_allocates_the_bytes_that_it_says() {
             (17, 3),
             (9999, 777),
         ] {
-            let (workspace, _, bytes) = counted(|| Workspace::new(&parameters, rays, triangles));
-            let at = format!("{rays} rays, {triangles} triangles, {parameters:?}");
-            assert_eq!(workspace.bytes(), bytes, "{at}");
-            assert_eq!(
-                Workspace::bytes_for(&parameters, rays, triangles, 1),
-                bytes,
-                "{at}"
-            );
+            for threads in [1, 3] {
+                let (workspace, _, bytes) =
+                    counted(|| Workspace::for_threads(&parameters, rays, triangles, threads));
+                let at = format!("{rays} rays, {triangles} triangles, {parameters:?}, {threads}");
+                assert_eq!(workspace.bytes(), bytes, "{at}");
+                let said = Workspace::bytes_for(&parameters, rays, triangles, threads);
+                assert_eq!(said, bytes, "{at}");
+            }
         }
     }
 }
@@ -203,12 +203,14 @@ fn methods_of_one_family_share_workspaces() {
             let parameters = used_for.parameters();
             let same_family = family(made_for) == family(used_for);
             assert_eq!(
-                workspace.suits(&parameters, 100, 30),
+                workspace.suits(&parameters, 100, 30, 1),
                 same_family,
                 "{made_for}, {used_for}"
             );
-            assert!(!workspace.suits(&parameters, 101, 30));
-            assert!(!workspace.suits(&parameters, 100, 31));
+            assert!(!workspace.suits(&parameters, 101, 30, 1));
+            assert!(!workspace.suits(&parameters, 100, 31, 1));
+            let one_thread = same_family && used_for != Method::Best;
+            assert_eq!(workspace.suits(&parameters, 100, 30, 2), one_thread);
         }
     }
 }
@@ -230,6 +232,16 @@ fn a_workspace_for_lists_of_triangles_is_none_for_cells() {
 #[should_panic(expected = "the workspace is for another kind of method")]
 fn a_workspace_for_cells_is_none_for_lists_of_triangles() {
     trace_in_workspace_of(Method::Mora2011Cones, Method::Afra2012);
+}
+
+#[test]
+#[should_panic(expected = "too small for 3 threads")]
+fn a_workspace_for_two_threads_is_none_for_three() {
+    let tracer = Tracer::new(Method::Best.parameters()).with_threads(2);
+    let mut workspace = tracer.workspace(0, 0);
+    let (mesh, batch) = (Mesh::default(), Batch::default());
+    let more = tracer.with_threads(3);
+    more.nearest(&mesh, &batch, &mut workspace, &mut Hits::misses(0));
 }
 
 #[test]

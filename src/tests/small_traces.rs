@@ -74,7 +74,7 @@ fn check(mesh: &Mesh, batch: &Batch, own_origins: bool, parameters: &[Parameters
         for parameters in [brute_force().into()].iter().chain(parameters) {
             let workspace = workspaces
                 .iter_mut()
-                .find(|w| w.suits(parameters, batch.len(), mesh.len()))
+                .find(|w| w.suits(parameters, batch.len(), mesh.len(), 1))
                 .unwrap();
             let mut first = None;
             for isa in Isa::available() {

@@ -28,7 +28,7 @@ pub struct Document {
     pub software: Software,
     /// Seed of all random choices.
     pub seed: u64,
-    /// Threads of a trace.
+    /// Threads of Embree, and of the methods that take more than one.
     pub threads: usize,
     /// The command line, one string an argument.
     pub command: Vec<String>,
@@ -79,6 +79,10 @@ pub struct Cell {
     /// Which cell this is.
     #[serde(flatten)]
     pub key: CellKey,
+    /// Threads that traced it: those of the run by `best`, one by any other method; `None` in files from
+    /// before there could be more than one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub threads: Option<usize>,
     /// Triangles, dropped ones included.
     pub triangles: usize,
     /// Triangles with a NaN, an infinite or a too large coordinate.
@@ -112,7 +116,8 @@ pub struct Cell {
     /// Its 95 % bootstrap interval.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_over_fast_interval: Option<[f64; 2]>,
-    /// What the trace did, in logical tests; the same on every instruction set.
+    /// What the trace did, in logical tests; the same on every instruction set, and with one thread each
+    /// time.
     #[schemars(schema_with = "crate::schema::counters")]
     pub counters: Map<String, Value>,
     /// Size of the workspace.
@@ -145,6 +150,11 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// Threads that traced it.
+    pub fn threads(&self) -> usize {
+        self.threads.unwrap_or(1)
+    }
+
     /// Whether it has rays, but no times, for its hits were found wrong.
     pub fn is_wrong(&self) -> bool {
         self.mrays_per_s.is_none() && self.ray_count > 0

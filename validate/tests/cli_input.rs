@@ -39,8 +39,8 @@ fn usage_errors() {
     refuses("run --precision fast,exakt", &["\"exakt\"", "\"exact\""]);
     refuses("paper mora2011 --precision exakt", &["\"exact\""]);
     refuses("render ./tiny.json --precision water", &["\"watertight\""]);
-    refuses("run --threads 0", &["--threads 0", "one thread"]);
-    refuses("run --threads 4", &["--threads 4", "one thread"]);
+    refuses("run --threads 1025", &["--threads", "0 to 1024"]);
+    refuses("run --threads two", &["--threads", "0 to 1024"]);
     refuses(
         "run --resolution 0",
         &["--resolution", "at least one pixel"],

@@ -47,6 +47,7 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
             precision: "fast".into(),
             parameters: own_fields(method, &method.parameters()),
         },
+        threads: Some(1),
         triangles: 500,
         dropped_triangles: 0,
         ray_count: 100,
@@ -380,15 +381,29 @@ fn counters_of_several_threads_are_only_shown() {
     let with = |threads, ray_box: u64| {
         changed(|d| {
             d.threads = threads;
+            d.cells[1].threads = Some(threads);
             d.cells[1].counters["ray_box"] = ray_box.into();
         })
     };
-    for (a, b) in [(1, 2), (2, 2), (2, 1)] {
+    let comparison = compared(&with(2, 1000), &with(2, 2000));
+    assert_eq!(comparison.grade, Grade::Same);
+    assert_eq!(comparison.cells[1].findings.len(), 1);
+    assert!(comparison.counters_not_judged.is_some());
+    assert!(comparison.times_not_judged.is_none());
+    for (a, b) in [(1, 2), (2, 1)] {
         let comparison = compared(&with(a, 1000), &with(b, 2000));
+        // That the threads are others.
         assert_eq!(comparison.grade, Grade::Changed);
         assert!(comparison.counters_not_judged.is_some());
-        assert_eq!(comparison.times_not_judged.is_some(), a != b);
+        assert!(comparison.times_not_judged.is_some());
     }
+    // A method that takes one thread, whatever the run is told.
+    let of_one = |d: &mut Document, ray_box: u64| {
+        d.threads = 2;
+        d.cells[1].counters["ray_box"] = ray_box.into();
+    };
+    let (a, b) = (changed(|d| of_one(d, 1000)), changed(|d| of_one(d, 2000)));
+    assert_eq!(compared(&a, &b).grade, Grade::Regression);
 }
 
 #[test]

@@ -24,15 +24,21 @@ impl Random {
     }
 }
 
-/// All ways to ask Embree for the hits of one mesh.
+/// All ways to ask Embree for the hits of one mesh, with one thread and with three.
 fn for_all(mesh: &Mesh, mut check: impl FnMut(&Scene, Query, &str)) {
-    let device = Device::new(1).unwrap();
-    for robust in [false, true] {
-        for quality in Quality::ALL {
-            let scene = Scene::build(&device, mesh, quality, robust).unwrap();
-            for query in Query::ALL {
-                let what = format!("{} {} robust={robust}", quality.name(), query.name());
-                check(&scene, query, &what);
+    for threads in [1, 3] {
+        let device = Device::new(threads).unwrap();
+        for robust in [false, true] {
+            for quality in Quality::ALL {
+                let scene = Scene::build(&device, mesh, quality, robust).unwrap();
+                for query in Query::ALL {
+                    let what = format!(
+                        "{} {} robust={robust}, {threads} threads",
+                        quality.name(),
+                        query.name()
+                    );
+                    check(&scene, query, &what);
+                }
             }
         }
     }
@@ -86,7 +92,7 @@ fn brute_force(triangles: &[Triangle], ray: Ray) -> Option<(f64, u32)> {
     Some(best)
 }
 
-/// 300 triangles and 5,003 rays, every seventh of them invalid, some with short intervals.
+/// 300 triangles and 5,003 rays (two blocks for threads), every seventh of them invalid, some with short intervals.
 fn soup() -> (Mesh, Batch) {
     let mut random = Random(1);
     let triangle = |random: &mut Random| {

@@ -63,6 +63,7 @@ fn cell(method: &str) -> Cell {
     let times = |x: f64| BTreeMap::from([("high".to_owned(), x)]);
     Cell {
         key: key(method),
+        threads: Some(1),
         triangles: 100,
         dropped_triangles: 1,
         ray_count: 10,

@@ -111,13 +111,13 @@ pub struct EngineArgs {
     /// Instruction set: avx512, avx2 or portable [default: the best that the processor has]
     #[arg(long)]
     pub isa: Option<String>,
-    /// Threads to trace with; 1 is the only number so far
+    /// Threads of method best and of Embree, 0 for all of this machine; other methods take one
     #[arg(
         long,
         default_value_t = 1,
         value_name = "N",
         allow_negative_numbers = true,
-        value_parser = whole(0..=u32::MAX)
+        value_parser = whole(0..=1024u32)
     )]
     pub threads: u32,
     /// Seed of every random choice
@@ -160,6 +160,10 @@ Rays that share no origin (all but primary and shadow-point) are traced by mora2
 mora2011-cones in the same way as by mora2011-random; `variant` in the result says so.
 --terminate-as-printed true ends a ray as Mora 2011 prints it, which is wrong: such a cell has the
 number of wrong rays and no times, and the exit code is 1.
+
+--threads N is for best and for Embree, which builds with N threads and traces with N more that take
+blocks of 4,096 rays; other methods are traced with one thread all the same, and `threads` of each
+cell in the result says so. Hits are the same for any number.
 
 Without --scenes, hall, relief and soup (generated) and sibenik, conference and sponza (where
 their meshes are found) are traced, with 3 repeats unless --repeats says otherwise.
@@ -621,7 +625,7 @@ A regression is
 - any change of hit_hash, or of what the validation says of our own hits (ours_wrong, both_wrong,
   t_drift); of its other classes if both files have the same Embree; times that are
   gone because hits are wrong;
-- more of a counter than --tolerance allows, if both files are of one thread; more leaves,
+- more of a counter than --tolerance allows, if both cells are of one thread; more leaves,
   skips_near, skips_far and terminated_rays is none;
 - a method that is slower, if both files have the same processor, instruction set and threads.
   Times are compared as ratios within each file: to afra2012 (for that, or without it, to the first

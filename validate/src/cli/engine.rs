@@ -44,29 +44,32 @@ impl<'a> Engine<'a> {
     }
 }
 
-/// Memory for traces of one size by any method: a workspace for each kind of parameters, made when
-/// it is first needed.
+/// Memory for traces of one size by any method and so many threads: a workspace for each kind of
+/// parameters, made when it is first needed.
 pub struct Workspaces {
     rays: usize,
     triangles: usize,
+    threads: usize,
     made: Vec<Workspace>,
 }
 
 impl Workspaces {
-    pub fn new(rays: usize, triangles: usize) -> Workspaces {
+    pub fn new(rays: usize, triangles: usize, threads: usize) -> Workspaces {
         Workspaces {
             rays,
             triangles,
+            threads,
             made: Vec::new(),
         }
     }
 
     /// The one for these parameters.
     pub fn of(&mut self, parameters: &Parameters) -> &mut Workspace {
-        let (rays, triangles) = (self.rays, self.triangles);
-        let suits = |w: &Workspace| w.suits(parameters, rays, triangles);
+        let (rays, triangles, threads) = (self.rays, self.triangles, self.threads);
+        let suits = |w: &Workspace| w.suits(parameters, rays, triangles, threads);
         let place = self.made.iter().position(suits).unwrap_or_else(|| {
-            self.made.push(Workspace::new(parameters, rays, triangles));
+            let made = Workspace::for_threads(parameters, rays, triangles, threads);
+            self.made.push(made);
             self.made.len() - 1
         });
         &mut self.made[place]
@@ -80,16 +83,15 @@ mod tests {
 
     #[test]
     fn each_kind_of_parameters_has_one_workspace() {
-        let mut workspaces = Workspaces::new(100, 1000);
-        for method in Method::ALL {
-            let parameters = method.parameters();
-            let bytes = workspaces.of(&parameters).bytes();
-            assert_eq!(
-                bytes,
-                Workspace::bytes_for(&parameters, 100, 1000, 1),
-                "{method}"
-            );
+        for threads in [1, 3] {
+            let mut workspaces = Workspaces::new(100, 1000, threads);
+            for method in Method::ALL {
+                let parameters = method.parameters();
+                let bytes = workspaces.of(&parameters).bytes();
+                let expected = Workspace::bytes_for(&parameters, 100, 1000, threads);
+                assert_eq!(bytes, expected, "{method}");
+            }
+            assert_eq!(workspaces.made.len(), 3);
         }
-        assert_eq!(workspaces.made.len(), 3);
     }
 }

@@ -10,7 +10,7 @@ use super::text::thousands;
 use anyhow::{Context, bail, ensure};
 use dacrt::scene::no_such;
 use dacrt::workloads::{Film, RayType};
-use dacrt::{Isa, Method, Parameters, Precision};
+use dacrt::{Isa, Method, Parameters, Precision, Tracer};
 use dacrt_validate::embree::{Mode, Quality, Query};
 use dacrt_validate::machine::Machine;
 use dacrt_validate::parameters::{is_baseline, own_fields};
@@ -28,6 +28,27 @@ const DEFAULT_RAYS: [RayType; 3] = [RayType::Primary, RayType::ShadowPoint, RayT
 pub struct Engine {
     pub isa: Isa,
     pub seed: u64,
+    /// Threads of Embree, and of the methods that take more than one; at least 1.
+    pub threads: usize,
+}
+
+impl Engine {
+    /// Threads that a trace with these parameters takes.
+    pub fn threads_of(&self, parameters: &Parameters) -> usize {
+        match parameters.takes_threads() {
+            true => self.threads,
+            false => 1,
+        }
+    }
+
+    /// What traces with these parameters.
+    pub fn tracer(&self, parameters: Parameters, precision: Precision) -> Tracer {
+        Tracer::new(parameters)
+            .with_precision(precision)
+            .with_isa(self.isa)
+            .with_seed(self.seed)
+            .with_threads(self.threads_of(&parameters))
+    }
 }
 
 /// A method with its parameters and precision.
@@ -323,17 +344,16 @@ fn missing_baselines(contestants: &[Contestant]) -> Vec<String> {
     warnings
 }
 
-/// The instruction set; the number of threads is only checked, for there is no choice yet.
+/// The instruction set, the seed, and how many threads that is.
 pub fn engine(args: &EngineArgs) -> anyhow::Result<Engine> {
-    ensure!(
-        args.threads == 1,
-        "--threads {}: not there yet; this version traces with one thread",
-        args.threads
-    );
     let isa = args.isa.as_deref().map_or(Ok(Isa::best()), isa)?;
     Ok(Engine {
         isa,
         seed: args.seed,
+        threads: match args.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n as usize,
+        },
     })
 }
 

@@ -10,7 +10,6 @@ use super::size::Spp;
 use super::source::{SceneSource, mesh_folders};
 use super::text::print;
 use anyhow::{Context, bail, ensure};
-use dacrt::Tracer;
 use dacrt::scene::Scene;
 use dacrt::workloads::{RayType, Workload};
 use std::path::{Path, PathBuf};
@@ -32,11 +31,7 @@ pub fn render(args: &RenderArgs) -> anyhow::Result<Verdict> {
     let files = files(args, &source.name())?;
 
     let scene = Scene::load(&source.json, &mesh_folders)?;
-    let tracer = Tracer::new(parameters)
-        .with_isa(choice.isa)
-        .with_precision(precision)
-        .with_seed(choice.seed);
-    let mut engine = Engine::new(tracer, &scene.mesh);
+    let mut engine = Engine::new(choice.tracer(parameters, precision), &scene.mesh);
     let workload = |film| Workload::new(&scene.mesh, view.camera, film, view.light, choice.seed);
 
     // Depth, prim and boxes have one sample a pixel: a mean of two numbers of triangles is none.

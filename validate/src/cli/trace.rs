@@ -6,9 +6,9 @@ use super::plan::{self, check_writable};
 use super::source::{SceneSource, mesh_folders};
 use super::text::{columns, counted, print, thousands};
 use anyhow::{Context, bail};
+use dacrt::Mesh;
 use dacrt::rays::Hits;
 use dacrt::scene::{Scene, load_mesh};
-use dacrt::{Mesh, Tracer};
 use dacrt_validate::measure::milliseconds;
 use dacrt_validate::npy::{read_rays, write_hits, write_occluded};
 
@@ -22,11 +22,7 @@ pub fn trace(args: &TraceArgs) -> anyhow::Result<Verdict> {
     let mesh = load(args)?;
     let batch = read_rays(&args.rays)?;
 
-    let tracer = Tracer::new(parameters)
-        .with_isa(engine.isa)
-        .with_precision(precision)
-        .with_seed(engine.seed)
-        .with_own_origins(args.own_origins);
+    let tracer = (engine.tracer(parameters, precision)).with_own_origins(args.own_origins);
     let mut workspace = tracer.workspace(batch.len(), mesh.len());
     let (traced, ms, hits) = if args.any_hit {
         let mut occluded = vec![0; batch.len()];

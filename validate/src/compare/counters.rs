@@ -31,14 +31,16 @@ impl Tolerances {
     }
 }
 
-/// What is not the same.
+/// What is not the same; no change at all ([`Grade::Same`]) if counters are not judged.
 pub(super) fn findings(a: &Cell, b: &Cell, tolerances: &Tolerances, judged: bool) -> Vec<Finding> {
     let names: BTreeSet<&String> = a.counters.keys().chain(b.counters.keys()).collect();
     let grade = |name: &str, a: &Value, b: &Value| {
         let (Some(a), Some(b)) = (a.as_u64(), b.as_u64()) else {
             return Grade::Changed;
         };
-        if !judged || NO_COST.contains(&name) {
+        if !judged {
+            Grade::Same
+        } else if NO_COST.contains(&name) {
             Grade::Changed
         } else if b < a {
             Grade::Improvement

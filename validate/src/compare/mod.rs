@@ -38,7 +38,7 @@ pub struct Comparison {
     pub reference: Origin,
     /// Where each file comes from.
     pub new: Origin,
-    /// Why counters are shown and not judged; `None` if they are judged.
+    /// Why the counters of some cells are shown and not judged; `None` if all are judged.
     pub counters_not_judged: Option<String>,
     /// Why times are shown and not judged; `None` if they are judged.
     pub times_not_judged: Option<String>,
@@ -145,17 +145,16 @@ pub fn compare(
     };
     let threads = [reference, new].map(|d| d.threads.to_string());
     let embree = [reference, new].map(embree_text);
-    let one_thread = || match (reference.threads, new.threads) {
-        (1, 1) => None,
-        (n, m) => Some(format!(
-            "they repeat only with one thread, here are {n} and {m}"
-        )),
-    };
+    let repeats = |(a, b): &(&Cell, &Cell)| a.threads() == 1 && b.threads() == 1;
+    let with_more = matched.pairs.iter().filter(|pair| !repeats(pair)).count();
     let mut comparison = Comparison {
         grade: Grade::Same,
         reference: Origin::of(reference),
         new: Origin::of(new),
-        counters_not_judged: one_thread(),
+        counters_not_judged: (with_more > 0).then(|| {
+            let of = matched.pairs.len();
+            format!("they repeat only with one thread, and {with_more} of {of} cells have more")
+        }),
         times_not_judged: (options
             .show_times
             .then(|| "as --times shown asks".to_owned()))
@@ -176,7 +175,7 @@ pub fn compare(
     };
     for (a, b) in matched.pairs {
         let mut findings = hits::findings(a, b, comparison.embree_not_judged.is_none());
-        let judged = comparison.counters_not_judged.is_none();
+        let judged = repeats(&(a, b));
         findings.extend(counters::findings(a, b, &options.tolerances, judged));
         findings.extend(shown(a, b));
         // The gravest first; what is as grave stays in its order.
@@ -228,7 +227,8 @@ fn embree_text(document: &Document) -> String {
 fn shown(a: &Cell, b: &Cell) -> Vec<Finding> {
     let of = |cell: &Cell| {
         [
-            ("triangles", Value::from(cell.triangles)),
+            ("threads", Value::from(cell.threads())),
+            ("triangles", cell.triangles.into()),
             ("dropped_triangles", cell.dropped_triangles.into()),
             ("invalid_rays", cell.invalid_rays.into()),
             ("shared_origin", cell.shared_origin.into()),

@@ -1,17 +1,19 @@
-//! Which Embree this is and how many threads it builds with.
+//! Which Embree this is and how many threads it builds and traces with.
 
+use super::threads::Threads;
 use anyhow::{Context, bail, ensure};
 use embree4_sys as sys;
 use std::ffi::{CStr, c_void};
 use std::path::Path;
 
-/// Makes scenes that are built by a given number of threads.
+/// Makes scenes that are built and traced by a given number of threads.
 ///
 /// An `embree4-rs` scene owns its device, so this one holds what is needed to make them, and what
 /// was asked of a first one.
 #[derive(Clone, Debug)]
 pub struct Device {
     info: Info,
+    tracing: Threads,
 }
 
 /// What is logged about the library in use.
@@ -24,15 +26,16 @@ pub struct Info {
     pub isa: String,
     /// The library's file name, without its folder.
     pub library: String,
-    /// Threads that build a scene, at least 1.
+    /// Threads that build a scene, and as many others that trace it; at least 1.
     pub threads: usize,
 }
 
 impl Device {
-    /// Loads Embree for builds with `threads` threads, 0 for as many as the machine has.
+    /// Loads Embree for builds and traces with `threads` threads, 0 for as many as the machine has. Those
+    /// that trace are started here; those that build are Embree's own.
     ///
     /// # Errors
-    /// If the library is older than 4.0, or does not support the processor.
+    /// If the library is older than 4.0, or does not support the processor, or no threads can be started.
     pub fn new(threads: usize) -> anyhow::Result<Device> {
         let threads = match threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -74,12 +77,18 @@ impl Device {
                 library,
                 threads,
             },
+            tracing: Threads::new(threads)?,
         })
     }
 
     /// The library in use.
     pub fn info(&self) -> &Info {
         &self.info
+    }
+
+    /// The threads that trace.
+    pub(super) fn tracing(&self) -> Threads {
+        self.tracing.clone()
     }
 
     /// An `embree4-rs` device for one scene.

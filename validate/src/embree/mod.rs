@@ -9,6 +9,7 @@ mod flush;
 mod mode;
 mod packed;
 mod scene;
+mod threads;
 mod trace;
 
 pub use best::{Best, Combination};

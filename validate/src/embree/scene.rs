@@ -1,12 +1,14 @@
 //! One mesh, built by Embree.
 
 use super::Device;
+use super::threads::Threads;
 use anyhow::{Context, ensure};
 use dacrt::Mesh;
 use embree4_rs::geometry::TriangleMeshGeometry;
 use embree4_rs::{CommittedScene, SceneOptions};
 use embree4_sys as sys;
 use std::ffi::c_void;
+use std::marker::PhantomData;
 use std::mem::offset_of;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicIsize, Ordering};
@@ -53,10 +55,30 @@ pub struct Scene {
     bytes: Arc<AtomicIsize>,
     robust: bool,
     build_time: Duration,
+    threads: Threads,
+}
+
+/// A committed scene as threads take it that trace.
+#[derive(Clone, Copy)]
+pub(super) struct Committed<'a> {
+    handle: sys::RTCScene,
+    pub robust: bool,
+    _scene: PhantomData<&'a Scene>,
+}
+
+// SAFETY: Embree lets any number of threads trace a committed scene at a time, and nothing else is done
+// with the handle while it is borrowed.
+unsafe impl Sync for Committed<'_> {}
+
+impl Committed<'_> {
+    pub fn handle(&self) -> sys::RTCScene {
+        self.handle
+    }
 }
 
 impl Scene {
-    /// Copies the triangles to Embree and builds its tree, in robust or in default ("fast") mode.
+    /// Copies the triangles to Embree and builds its tree, in robust or in default ("fast") mode, with the
+    /// device's threads.
     ///
     /// Besides Embree's own memory takes 48 bytes a triangle while it copies.
     ///
@@ -102,6 +124,7 @@ impl Scene {
             bytes,
             robust,
             build_time,
+            threads: device.tracing(),
         })
     }
 
@@ -122,6 +145,20 @@ impl Scene {
 
     pub(super) fn handle(&self) -> sys::RTCScene {
         handle(&self.scene.scene)
+    }
+
+    /// For threads to trace.
+    pub(super) fn committed(&self) -> Committed<'_> {
+        Committed {
+            handle: self.handle(),
+            robust: self.robust,
+            _scene: PhantomData,
+        }
+    }
+
+    /// Those that trace it.
+    pub(super) fn threads(&self) -> &Threads {
+        &self.threads
     }
 }
 

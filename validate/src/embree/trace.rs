@@ -1,6 +1,8 @@
 //! Nearest and any hit of a batch, from our arrays to our arrays.
 
 use super::Scene;
+use super::scene::Committed;
+use super::threads::BLOCK;
 use dacrt::rays::MISS;
 use dacrt::{Batch, Hits, Ray};
 use embree4_sys as sys;
@@ -39,7 +41,7 @@ impl Query {
 
 impl Scene {
     /// Nearest hits of all rays; of hits at the same distance Embree's choice. Rays that are not
-    /// valid never reach Embree and miss.
+    /// valid never reach Embree and miss. The device's threads take blocks of 4,096 rays.
     ///
     /// Filling Embree's structures and reading the hits back is part of this, as every user of
     /// batches pays it.
@@ -48,40 +50,20 @@ impl Scene {
     /// If there are not as many hits as rays.
     pub fn nearest(&self, batch: &Batch, query: Query, hits: &mut Hits) {
         assert_eq!(hits.len(), batch.len(), "one hit record a ray");
-        let mut args = sys::RTCIntersectArguments::new(query.flags());
-        if query == Query::Single {
-            let mut rayhit = sys::RTCRayHit::default();
-            for (i, ray) in batch.iter().enumerate() {
-                (hits.t[i], hits.prim[i]) = (f32::INFINITY, MISS);
-                if ray.is_valid() {
-                    fill(&mut rayhit.ray, &ray, self.robust());
-                    rayhit.hit.geomID = sys::RTC_INVALID_GEOMETRY_ID;
-                    // SAFETY: the scene is committed; the structures are alive and large enough.
-                    unsafe { sys::rtcIntersect1(self.handle(), &mut rayhit, &mut args) };
-                    let (hit, t) = (rayhit.hit, rayhit.ray.tfar);
-                    (hits.t[i], hits.prim[i]) = record(hit.geomID, hit.primID, t);
-                }
-            }
-            return;
-        }
-        let mut rayhit = sys::RTCRayHit16::default();
-        let records = hits.t.chunks_mut(16).zip(hits.prim.chunks_mut(16));
-        for (block, (t, prim)) in records.enumerate() {
-            let valid = fill16(&mut rayhit.ray, batch, 16 * block, self.robust());
-            rayhit.hit.geomID = [sys::RTC_INVALID_GEOMETRY_ID; 16];
-            // SAFETY: the scene is committed; the structures are alive, aligned and large enough.
-            unsafe {
-                sys::rtcIntersect16(valid.0.as_ptr(), self.handle(), &mut rayhit, &mut args);
-            }
-            let hit = &rayhit.hit;
-            for (i, (t, prim)) in t.iter_mut().zip(prim).enumerate() {
-                (*t, *prim) = record(hit.geomID[i], hit.primID[i], rayhit.ray.tfar[i]);
-            }
-        }
+        let scene = self.committed();
+        let records = hits.t.chunks_mut(BLOCK).zip(hits.prim.chunks_mut(BLOCK));
+        let blocks = (0..).step_by(BLOCK).zip(records);
+        self.threads().deal(blocks, |(from, (t, prim))| {
+            let trace = match query {
+                Query::Single => nearest1,
+                Query::Packet16 | Query::Packet16Coherent => nearest16,
+            };
+            trace(&scene, batch, query, from, t, prim);
+        });
     }
 
     /// Whether each ray hits anything: 1 for yes, 0 for no. Rays that are not valid never reach
-    /// Embree and hit nothing.
+    /// Embree and hit nothing. The device's threads take blocks of 4,096 rays.
     ///
     /// Filling Embree's structures and reading the answers back is part of this, as every user of
     /// batches pays it.
@@ -90,31 +72,98 @@ impl Scene {
     /// If there are not as many answers as rays.
     pub fn any(&self, batch: &Batch, query: Query, occluded: &mut [u8]) {
         assert_eq!(occluded.len(), batch.len(), "one answer a ray");
-        let mut args = sys::RTCOccludedArguments::new(query.flags());
-        if query == Query::Single {
-            let mut lane = sys::RTCRay::default();
-            for (occluded, ray) in occluded.iter_mut().zip(batch.iter()) {
-                *occluded = 0;
-                if ray.is_valid() {
-                    fill(&mut lane, &ray, self.robust());
-                    // SAFETY: the scene is committed; the structures are alive.
-                    unsafe { sys::rtcOccluded1(self.handle(), &mut lane, &mut args) };
-                    *occluded = u8::from(lane.tfar == f32::NEG_INFINITY);
-                }
-            }
-            return;
+        let scene = self.committed();
+        let blocks = (0..).step_by(BLOCK).zip(occluded.chunks_mut(BLOCK));
+        self.threads().deal(blocks, |(from, occluded)| {
+            let trace = match query {
+                Query::Single => any1,
+                Query::Packet16 | Query::Packet16Coherent => any16,
+            };
+            trace(&scene, batch, query, from, occluded);
+        });
+    }
+}
+
+/// Nearest hits of the rays from `from` on, one by one.
+fn nearest1(
+    scene: &Committed,
+    batch: &Batch,
+    query: Query,
+    from: usize,
+    t: &mut [f32],
+    prim: &mut [u32],
+) {
+    let mut args = sys::RTCIntersectArguments::new(query.flags());
+    let mut rayhit = sys::RTCRayHit::default();
+    for (i, (t, prim)) in (from..).zip(t.iter_mut().zip(prim)) {
+        let ray = batch.ray(i);
+        (*t, *prim) = (f32::INFINITY, MISS);
+        if ray.is_valid() {
+            fill(&mut rayhit.ray, &ray, scene.robust);
+            rayhit.hit.geomID = sys::RTC_INVALID_GEOMETRY_ID;
+            // SAFETY: the scene is committed; the structures are alive and large enough.
+            unsafe { sys::rtcIntersect1(scene.handle(), &mut rayhit, &mut args) };
+            let (hit, at) = (rayhit.hit, rayhit.ray.tfar);
+            (*t, *prim) = record(hit.geomID, hit.primID, at);
         }
-        let mut lanes = sys::RTCRay16::default();
-        for (block, occluded) in occluded.chunks_mut(16).enumerate() {
-            let valid = fill16(&mut lanes, batch, 16 * block, self.robust());
-            // SAFETY: the scene is committed; the structures are alive and aligned.
-            unsafe {
-                sys::rtcOccluded16(valid.0.as_ptr(), self.handle(), &mut lanes, &mut args);
-            }
-            for (i, occluded) in occluded.iter_mut().enumerate() {
-                // An invalid ray may have come with an infinite negative tmax of its own.
-                *occluded = u8::from(valid.0[i] != 0) & u8::from(lanes.tfar[i] < 0.0);
-            }
+    }
+}
+
+/// Nearest hits of the rays from `from` on, 16 at a time.
+fn nearest16(
+    scene: &Committed,
+    batch: &Batch,
+    query: Query,
+    from: usize,
+    t: &mut [f32],
+    prim: &mut [u32],
+) {
+    let mut args = sys::RTCIntersectArguments::new(query.flags());
+    let mut rayhit = sys::RTCRayHit16::default();
+    let records = t.chunks_mut(16).zip(prim.chunks_mut(16));
+    for (start, (t, prim)) in (from..).step_by(16).zip(records) {
+        let valid = fill16(&mut rayhit.ray, batch, start, scene.robust);
+        rayhit.hit.geomID = [sys::RTC_INVALID_GEOMETRY_ID; 16];
+        // SAFETY: the scene is committed; the structures are alive, aligned and large enough.
+        unsafe {
+            sys::rtcIntersect16(valid.0.as_ptr(), scene.handle(), &mut rayhit, &mut args);
+        }
+        let hit = &rayhit.hit;
+        for (i, (t, prim)) in t.iter_mut().zip(prim).enumerate() {
+            (*t, *prim) = record(hit.geomID[i], hit.primID[i], rayhit.ray.tfar[i]);
+        }
+    }
+}
+
+/// Whether the rays from `from` on hit anything, one by one.
+fn any1(scene: &Committed, batch: &Batch, query: Query, from: usize, occluded: &mut [u8]) {
+    let mut args = sys::RTCOccludedArguments::new(query.flags());
+    let mut lane = sys::RTCRay::default();
+    for (i, occluded) in (from..).zip(occluded) {
+        let ray = batch.ray(i);
+        *occluded = 0;
+        if ray.is_valid() {
+            fill(&mut lane, &ray, scene.robust);
+            // SAFETY: the scene is committed; the structures are alive.
+            unsafe { sys::rtcOccluded1(scene.handle(), &mut lane, &mut args) };
+            *occluded = u8::from(lane.tfar == f32::NEG_INFINITY);
+        }
+    }
+}
+
+/// Whether the rays from `from` on hit anything, 16 at a time.
+fn any16(scene: &Committed, batch: &Batch, query: Query, from: usize, occluded: &mut [u8]) {
+    let mut args = sys::RTCOccludedArguments::new(query.flags());
+    let mut lanes = sys::RTCRay16::default();
+    for (start, occluded) in (from..).step_by(16).zip(occluded.chunks_mut(16)) {
+        let valid = fill16(&mut lanes, batch, start, scene.robust);
+        // SAFETY: the scene is committed; the structures are alive and aligned.
+        unsafe {
+            sys::rtcOccluded16(valid.0.as_ptr(), scene.handle(), &mut lanes, &mut args);
+        }
+        for (i, occluded) in occluded.iter_mut().enumerate() {
+            // An invalid ray may have come with an infinite negative tmax of its own.
+            *occluded = u8::from(valid.0[i] != 0) & u8::from(lanes.tfar[i] < 0.0);
         }
     }
 }

@@ -128,7 +128,10 @@ pub fn counts(comparison: &Comparison) -> String {
 /// What was not judged, and why.
 pub fn not_judged(comparison: &Comparison) -> Vec<String> {
     let reasons = [
-        ("Counters are", &comparison.counters_not_judged),
+        (
+            "Counters of some cells are",
+            &comparison.counters_not_judged,
+        ),
         ("Times are", &comparison.times_not_judged),
         ("What depends on Embree is", &comparison.embree_not_judged),
     ];

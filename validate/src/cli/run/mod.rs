@@ -19,7 +19,7 @@ use cells::{Peer, enter_times};
 use contest::{Entrant, contest};
 use dacrt::scene::Scene;
 use dacrt::workloads::{Film, Workload};
-use dacrt::{Batch, Method, Parameters, Precision, SpaceParameters, Tracer};
+use dacrt::{Batch, Method, Parameters, SpaceParameters, Tracer};
 use dacrt_validate::diff::Checker;
 use dacrt_validate::embree::{Device, Mode, Query};
 use dacrt_validate::hash::{hit_hash, ray_hash};
@@ -39,7 +39,8 @@ pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {
     let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
     let first = plan.rounds().next().map(|round| round.film);
-    let mut report = Report::new(plan.rounds().any(|round| Some(round.film) != first));
+    let many_sizes = plan.rounds().any(|round| Some(round.film) != first);
+    let mut report = Report::new(many_sizes, plan.engine.threads);
     let (document, findings) = execute(&plan, &progress, &mut |_, round, cells, _| {
         let labels: Vec<String> = round.contestants.iter().map(|c| c.label.clone()).collect();
         progress.print(&report.section(cells, &labels))
@@ -69,7 +70,14 @@ pub fn execute(
     progress: &Progress,
     listener: &mut Listener,
 ) -> anyhow::Result<(Document, Findings)> {
-    let device = Device::new(1)?;
+    let threads = plan.engine.threads;
+    let mut contestants = plan.rounds().flat_map(|round| &round.contestants);
+    if threads > 1 && contestants.any(|c| !c.parameters.takes_threads()) {
+        progress.warn(&format!(
+            "--threads {threads}: all methods but best trace with one thread, Embree with {threads}"
+        ));
+    }
+    let device = Device::new(threads)?;
     let mut document = new_document(plan, &device);
     if plan.resume {
         document.resume(&plan.out)?;
@@ -179,7 +187,7 @@ fn new_document(plan: &RunPlan, device: &Device) -> Document {
         machine: Machine::here(&plan.engine.isa.to_string()),
         software: Software::this(Some(device.info().into())),
         seed: plan.engine.seed,
-        threads: 1,
+        threads: plan.engine.threads,
         command: command_line(),
         sweep: plan.sweep.clone(),
         pieces: Vec::new(),
@@ -254,7 +262,7 @@ impl Bench<'_> {
         let (fast, robust) = (fast.view(), robust.view());
         let mut checker =
             Checker::new(&self.judge, &batch, fast, robust, self.plan.exact_all, seed);
-        let mut workspaces = Workspaces::new(batch.len(), mesh.len());
+        let mut workspaces = Workspaces::new(batch.len(), mesh.len(), self.plan.engine.threads);
         let mut cells = Vec::new();
         let mut entrants = Vec::new();
         for (place, contestant) in round.contestants.iter().enumerate() {
@@ -263,7 +271,7 @@ impl Bench<'_> {
                 precision,
                 ..
             } = *contestant;
-            let tracer = self.tracer(parameters, precision);
+            let tracer = self.plan.engine.tracer(parameters, precision);
             let mut answers = Answers::room(batch.len(), any);
             let audited = tracer.with_audit(true);
             let workspace = workspaces.of(&parameters);
@@ -271,7 +279,8 @@ impl Bench<'_> {
             let trace = answers.trace(&audited, mesh, &batch, workspace);
             let printed_rule_wrong = without_printed_rule(&parameters).map(|right| {
                 let mut expected = Answers::room(batch.len(), any);
-                expected.trace(&self.tracer(right, precision), mesh, &batch, workspace);
+                let right = self.plan.engine.tracer(right, precision);
+                expected.trace(&right, mesh, &batch, workspace);
                 answers.differing(&expected) as u64
             });
             let hit_hash = hit_hash(&answers.view());
@@ -284,6 +293,7 @@ impl Bench<'_> {
             let is_finding = diff.wrong() > 0;
             cells.push(Cell {
                 key,
+                threads: Some(self.plan.engine.threads_of(&parameters)),
                 triangles: mesh.len(),
                 dropped_triangles: mesh.dropped(),
                 ray_count: batch.len(),
@@ -325,13 +335,6 @@ impl Bench<'_> {
         step("measuring");
         self.measure(&batch, round, &entrants, &mut workspaces, &mut cells);
         Ok(cells)
-    }
-
-    fn tracer(&self, parameters: Parameters, precision: Precision) -> Tracer {
-        Tracer::new(parameters)
-            .with_precision(precision)
-            .with_isa(self.plan.engine.isa)
-            .with_seed(self.plan.engine.seed)
     }
 
     fn measure(

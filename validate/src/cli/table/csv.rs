@@ -5,14 +5,15 @@ use dacrt_validate::results::Document;
 use serde_json::{Map, Value};
 
 /// Keys of objects within objects are joined by dots; lists of numbers are joined by spaces, other
-/// lists (offending rays) are given by their length. What a cell lacks is empty.
+/// lists (offending rays) are given by their length. What a cell lacks is empty. `threads` is that of the
+/// cell; that of the run is `embree.threads`.
 pub fn text(document: &Document) -> anyhow::Result<String> {
     let mut about = Map::new();
     for (key, value) in [
         ("machine", serde_json::to_value(&document.machine)?),
         ("software", serde_json::to_value(&document.software)?),
         ("seed", document.seed.into()),
-        ("threads", document.threads.into()),
+        ("embree.threads", document.threads.into()),
     ] {
         flatten(key, value, &mut about);
     }

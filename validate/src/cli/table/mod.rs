@@ -39,7 +39,8 @@ pub fn table(args: &TableArgs) -> anyhow::Result<Verdict> {
 fn whole(document: &Document) -> String {
     let cells = &document.cells;
     let size = |cell: &Cell| (cell.key.resolution, cell.key.spp);
-    let mut report = Report::new(cells.iter().any(|c| size(c) != size(&cells[0])));
+    let many_sizes = cells.iter().any(|c| size(c) != size(&cells[0]));
+    let mut report = Report::new(many_sizes, document.threads);
     let names = Names::of(&[document]);
     let mut text = String::new();
     for batch in cells.chunk_by(|a, b| a.key.batch() == b.key.batch()) {

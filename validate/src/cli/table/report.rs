@@ -8,15 +8,17 @@ pub struct Report {
     means: Means,
     size: Option<([u32; 2], u32)>,
     many_sizes: bool,
+    threads: usize,
 }
 
 impl Report {
-    /// Of batches of one size, or of several.
-    pub fn new(many_sizes: bool) -> Report {
+    /// Of batches of one size, or of several, of a run with so many threads.
+    pub fn new(many_sizes: bool, threads: usize) -> Report {
         Report {
             means: Means::default(),
             size: None,
             many_sizes,
+            threads,
         }
     }
 
@@ -53,6 +55,10 @@ impl Report {
             true => lines::PEER_LEGEND,
             false => "",
         };
-        self.means.text() + lines::LEGEND + peers
+        let threads = match self.threads {
+            1 => String::new(),
+            n => format!("threads: {n} of best and of Embree, 1 of every other method\n"),
+        };
+        self.means.text() + lines::LEGEND + peers + &threads
     }
 }
