@@ -191,7 +191,7 @@ pub struct RunArgs {
     /// [default: primary,shadow-point,diffuse-1, those that the scene is for]
     #[arg(long, value_delimiter = ',', value_name = "TYPES")]
     pub rays: Option<Vec<String>>,
-    /// Methods: afra2012, nabata2013, mora2011, mora2011-cones, mora2011-random
+    /// Methods: afra2012, nabata2013, mora2011, mora2011-cones, mora2011-random, best
     /// [default: afra2012, nabata2013, and of Mora's the first two for primary and shadow-point rays,
     /// the last for all others]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
@@ -699,7 +699,7 @@ pub struct TraceArgs {
     /// Rays: .npy, float32 [N, 8]
     #[arg(long, value_name = "FILE")]
     pub rays: PathBuf,
-    /// Method: afra2012, nabata2013, mora2011, mora2011-cones or mora2011-random
+    /// Method: afra2012, nabata2013, mora2011, mora2011-cones, mora2011-random or best
     #[arg(long, value_name = "NAME")]
     pub method: String,
     /// Where the hits go: .npz
@@ -797,7 +797,7 @@ pub struct RenderArgs {
     /// A .png file (one picture), or a folder for SCENE-WHAT.png [default: this folder]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// Method: afra2012, nabata2013, mora2011, mora2011-cones or mora2011-random
+    /// Method: afra2012, nabata2013, mora2011, mora2011-cones, mora2011-random or best
     #[arg(long, value_name = "NAME", default_value = "nabata2013")]
     pub method: String,
     /// Precision of the triangle test: fast, watertight or exact
