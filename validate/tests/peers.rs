@@ -77,7 +77,11 @@ mod built_in {
             let expected = any(&mesh, &batch, Form::Plain);
             for peer in peers::ALL {
                 let name = format!("{} {}, {} triangles", peer.name, peer.builder, mesh.len());
-                let (tree, _) = peer.build(&mesh).expect(&name);
+                // Where debug assertions are on, obvhs refuses trees that are deeper than its stack.
+                let Some((tree, _)) = peer.build(&mesh) else {
+                    assert!(cfg!(debug_assertions) && peer.name == "obvhs", "{name}");
+                    continue;
+                };
                 let mut theirs = vec![2; batch.len()];
                 tree.any(&batch, &mut theirs);
                 assert_eq!(theirs, expected, "{name}");
