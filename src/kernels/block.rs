@@ -2,7 +2,7 @@
 
 use super::Rays;
 use super::groups::{GROUP, Ordered};
-use super::order::Record;
+use super::order::SortedRay;
 use super::prepare::{self, PreparedRays, ends_far, inverse, one};
 use super::records::least_of;
 use crate::rays::{Batch, MISS};
@@ -22,7 +22,7 @@ pub(crate) struct BlockStreams {
 pub(crate) enum Source<'a> {
     Batch(&'a Batch),
     /// Records, and where their rays stand in the batch.
-    Records(&'a [Record], &'a [u32]),
+    Records(&'a [SortedRay], &'a [u32]),
 }
 
 /// A vector of rays as they are.
@@ -62,10 +62,12 @@ pub(super) unsafe fn load<L: Lanes>(from: &Source, at: usize, left: usize) -> Lo
                 place: L::count_from(at as u32),
             },
             Source::Records(records, places) => {
-                let (mut last, mut last_places) = ([[[0f32; 4]; 2]; MAX_LANES], [0; MAX_LANES]);
+                let (mut last, mut last_places);
                 let (records, places) = match left >= L::N {
                     true => (records[at..].as_ptr(), places[at..].as_ptr()),
                     false => {
+                        last = [[[0f32; 4]; 2]; MAX_LANES];
+                        last_places = [0; MAX_LANES];
                         last[..left].copy_from_slice(&records[at..at + left]);
                         last_places[..left].copy_from_slice(&places[at..at + left]);
                         (last.as_ptr(), last_places.as_ptr())

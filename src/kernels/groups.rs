@@ -388,18 +388,13 @@ unsafe impl<L: Lanes> RayList<L> for InOrder<'_> {
     #[inline(always)]
     unsafe fn found(&self, v: &RayVector<L>, lanes: L::M) -> L::U {
         // SAFETY: as promised.
-        unsafe { L::gather_u(self.rays.prim, v.id, lanes) }
+        unsafe { self.rays.found::<L>(v.id, lanes) }
     }
 
     #[inline(always)]
     unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
         // SAFETY: as promised.
-        unsafe {
-            *self.rays.t.add(id as usize) = t;
-            if !ANY {
-                *self.rays.prim.add(id as usize) = prim;
-            }
-        }
+        unsafe { self.rays.set::<ANY>(id, t, prim) }
     }
 }
 

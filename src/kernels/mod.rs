@@ -36,7 +36,7 @@ pub(crate) use groups::{ENTRY, Entry, GROUP, Groups, Ordered};
 pub(crate) use lists::{Listed, Side, TriangleLists};
 pub(crate) use one::OneRay;
 pub use one::{Sure, TriangleTest};
-pub(crate) use order::{BUCKETS, Record as RayRecord, Window};
+pub(crate) use order::{BUCKETS, SortedRay, Window};
 pub(crate) use overlap::Overlap;
 pub(crate) use records::{Directions, Done, RAYS_AHEAD, Range, RayRecords};
 pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_left};
@@ -83,6 +83,33 @@ pub(crate) struct Rays {
     pub ahead: bool,
     /// The box around all triangles.
     pub scene: Aabb,
+}
+
+impl Rays {
+    /// The best triangles so far of some lanes.
+    ///
+    /// # Safety
+    /// The processor has `L`'s instruction set; in these lanes are ids of rays, which are not any-hit rays.
+    #[inline(always)]
+    unsafe fn found<L: Lanes>(&self, id: L::U, lanes: L::M) -> L::U {
+        // SAFETY: as promised.
+        unsafe { L::gather_u(self.prim, id, lanes) }
+    }
+
+    /// A new best hit; of any-hit rays only t counts.
+    ///
+    /// # Safety
+    /// The id of a ray.
+    #[inline(always)]
+    unsafe fn set<const ANY: bool>(&self, id: u32, t: f32, prim: u32) {
+        // SAFETY: as promised.
+        unsafe {
+            *self.t.add(id as usize) = t;
+            if !ANY {
+                *self.prim.add(id as usize) = prim;
+            }
+        }
+    }
 }
 
 /// Upper ends of the intervals of rays.

@@ -1,8 +1,8 @@
 //! Rays put in order: by octant of the direction, then by where they start, along a Morton curve.
 //!
-//! In one pass over a window of the batch each ray becomes a record of 32 bytes at its place. Gathering
-//! the eight numbers of a ray from the streams of the batch by an index instead costs twice as much: eight
-//! cache lines a ray in place of one.
+//! In one pass over a window of the batch each ray becomes a record of 32 bytes at its place. To gather
+//! the eight numbers of a ray from the streams of the batch by an index would touch eight cache lines a ray
+//! in place of one.
 
 use super::block::{self, Source};
 use crate::geometry::Aabb;
@@ -11,7 +11,7 @@ use crate::simd::{Lanes, MAX_LANES};
 use std::ops::Range;
 
 /// Origin and tmin, direction and tmax.
-pub(crate) type Record = [[f32; 4]; 2];
+pub(crate) type SortedRay = [[f32; 4]; 2];
 
 /// Cells of an axis.
 const CELLS: usize = 16;
@@ -20,7 +20,7 @@ pub(crate) const BUCKETS: usize = 8 * CELLS * CELLS * CELLS;
 
 /// Room for a window of the batch, in order.
 pub(crate) struct Window<'a> {
-    pub records: &'a mut [Record],
+    pub records: &'a mut [SortedRay],
     /// Where each record's ray stands in the batch.
     pub places: &'a mut [u32],
     pub keys: &'a mut [u16],

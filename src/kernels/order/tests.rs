@@ -7,7 +7,12 @@ use crate::rays::Ray;
 use crate::simd::Isa;
 use glam::Vec3;
 
-fn ordered(isa: Isa, batch: &Batch, range: Range<usize>, shared: bool) -> (Vec<Record>, Vec<u32>) {
+fn ordered(
+    isa: Isa,
+    batch: &Batch,
+    range: Range<usize>,
+    shared: bool,
+) -> (Vec<SortedRay>, Vec<u32>) {
     let scene = Aabb {
         min: Vec3::ZERO,
         max: Vec3::ONE,

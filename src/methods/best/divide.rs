@@ -47,29 +47,35 @@ impl Divide<'_, '_> {
         self.divide_groups(0, [0, entries], len.next_multiple_of(GROUP));
     }
 
+    /// What has become of a node that rays have come to.
+    fn open(&mut self, at: usize) -> State {
+        let Counters {
+            nodes,
+            binned_triangles,
+            ..
+        } = &mut *self.counters;
+        *nodes += 1;
+        self.splits
+            .open(at, &self.rays, self.room, binned_triangles)
+    }
+
     /// Algorithm 1 with groups in the place of rays: those of a list of entries. Records from `top` on
     /// are free.
     fn divide_groups(&mut self, at: usize, [from, to]: [usize; 2], top: usize) {
-        let splits = self.splits;
-        self.counters.nodes += 1;
-        let state = splits.open(
-            at,
-            &self.rays,
-            self.room,
-            &mut self.counters.binned_triangles,
-        );
+        let (splits, state) = (self.splits, self.open(at));
         let node = splits.node(at);
         let first = match state {
             State::Leaf(first) => return self.naive_groups(node, first, [from, to]),
             State::Split(first) => first,
         };
-        if self.parameters.flush > 0.0 && self.leaves_groups(node, &[from, to]) {
+        if self.parameters.flush > 0.0 && self.leaves_groups(node, [from, to]) {
             return self.flush(at, [from, to], top);
         }
         let children = self.in_order(node, first, self.first_of_groups(from));
         let boxes = children.map(|child| &splits.node(child).bounds);
         let (all, free) = self.entries.split_at_mut(to);
         let (far, near) = free.split_at_mut(to - from);
+        assert!(near.len() >= to - from, "room for both lists");
         self.counters.group_box += 2 * (ENTRY * (to - from)) as u64;
         // SAFETY: the processor was checked; both lists have room for as many entries.
         let [n_near, n_far] = unsafe {
@@ -109,7 +115,7 @@ impl Divide<'_, '_> {
     }
 
     /// Whether so few rays of some groups meet a node's box that lists of rays are better.
-    fn leaves_groups(&mut self, node: &Node, &[from, to]: &[usize; 2]) -> bool {
+    fn leaves_groups(&mut self, node: &Node, [from, to]: [usize; 2]) -> bool {
         let entries = &self.entries[from..to];
         let mut sample = [Entry::ZERO; SAMPLE];
         let mut n = 0;
@@ -163,14 +169,7 @@ impl Divide<'_, '_> {
 
     /// Algorithm 1. Records from `top` on are free.
     fn divide_rays(&mut self, at: usize, active: List, top: usize) {
-        let splits = self.splits;
-        self.counters.nodes += 1;
-        let state = splits.open(
-            at,
-            &self.rays,
-            self.room,
-            &mut self.counters.binned_triangles,
-        );
+        let (splits, state) = (self.splits, self.open(at));
         let node = splits.node(at);
         let first = match state {
             State::Leaf(first) => return self.naive_rays(node, first, active),

@@ -5,7 +5,7 @@ use super::parameters::MAX_BLOCK;
 use super::splits::Node;
 use crate::kernels::{
     BUCKETS, BinBox, Bins, ENTRY, Entry, GROUP, Groups, Item, MAX_BINS, Ordered, Prepared,
-    RayRecord,
+    SortedRay,
 };
 use crate::methods::Counters;
 use crate::rays::active::ActiveRays;
@@ -40,7 +40,7 @@ pub(in crate::methods) struct Memory {
 /// The memory of one thread.
 pub(super) struct Worker {
     /// A window of the batch, in order.
-    pub records: Vec<RayRecord>,
+    pub records: Vec<SortedRay>,
     pub record_places: Vec<u32>,
     pub keys: Vec<u16>,
     pub buckets: Vec<u32>,
@@ -156,7 +156,7 @@ impl Worker {
         let room = block + MAX_LANES;
         let window = rays.min(MAX_BLOCK);
         size_of::<Worker>()
-            + window * (size_of::<RayRecord>() + size_of::<u32>() + size_of::<u16>())
+            + window * (size_of::<SortedRay>() + size_of::<u32>() + size_of::<u16>())
             + BUCKETS * size_of::<u32>()
             + ActiveRays::bytes(2 * block)
             + room * (size_of::<[f32; 4]>() + (ORDERED + 4) * size_of::<f32>())

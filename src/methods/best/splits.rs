@@ -12,12 +12,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Triangles of a leaf: as many as are prepared together.
 pub(super) const LEAF: usize = CHUNK;
-/// Bins of a split; fewer where there are few triangles. 8 and 32 take as long.
+/// Bins of a split; fewer where there are few triangles.
 const BINS: usize = 16;
 /// Clusters of more triangles than this are made into smaller ones.
 const GATHERED: usize = 1024;
-/// From this depth on nodes are halved by number, so that the recursion ends.
-const MAX_DEPTH: u8 = 64;
+/// From this depth on nodes are halved by number, first of clusters and then of triangles, so that the
+/// recursion ends: of 2²⁹ triangles in 2²⁷ clusters before depth 100.
+const MAX_DEPTH: u8 = 40;
 
 /// A subproblem's triangles.
 pub(super) struct Node {
@@ -341,7 +342,7 @@ impl<'a> Splits<'a> {
             let cluster = unsafe { &*self.clusters.add(part.from as usize) };
             [part.from, part.to] = self.range(cluster);
             part.of_clusters = false;
-            if part.weight as usize > GATHERED {
+            if part.weight as usize > GATHERED && depth < MAX_DEPTH {
                 part = self.gather(&bounds, part, room);
             }
         }

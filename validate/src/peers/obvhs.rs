@@ -123,42 +123,30 @@ trait Layout {
     fn occluded(&self, ray: obvhs::ray::Ray, triangles: &[RtTriangle]) -> bool;
 }
 
-impl Layout for Bvh2 {
-    fn order(&self) -> &[u32] {
-        &self.primitive_indices
-    }
+/// Both trees have these by the same names, but no trait.
+macro_rules! layout {
+    ($tree:ty) => {
+        impl Layout for $tree {
+            fn order(&self) -> &[u32] {
+                &self.primitive_indices
+            }
 
-    fn node_bytes(&self) -> usize {
-        bytes_of(&self.nodes)
-    }
+            fn node_bytes(&self) -> usize {
+                bytes_of(&self.nodes)
+            }
 
-    fn first(&self, ray: obvhs::ray::Ray, triangles: &[RtTriangle]) -> Option<RayHit> {
-        let mut hit = RayHit::none();
-        self.ray_traverse(ray, &mut hit, |ray, i| triangles[i].intersect(ray))
-            .then_some(hit)
-    }
+            fn first(&self, ray: obvhs::ray::Ray, triangles: &[RtTriangle]) -> Option<RayHit> {
+                let mut hit = RayHit::none();
+                self.ray_traverse(ray, &mut hit, |ray, i| triangles[i].intersect(ray))
+                    .then_some(hit)
+            }
 
-    fn occluded(&self, ray: obvhs::ray::Ray, triangles: &[RtTriangle]) -> bool {
-        !self.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
-    }
+            fn occluded(&self, ray: obvhs::ray::Ray, triangles: &[RtTriangle]) -> bool {
+                !self.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
+            }
+        }
+    };
 }
 
-impl Layout for CwBvh {
-    fn order(&self) -> &[u32] {
-        &self.primitive_indices
-    }
-
-    fn node_bytes(&self) -> usize {
-        bytes_of(&self.nodes)
-    }
-
-    fn first(&self, ray: obvhs::ray::Ray, triangles: &[RtTriangle]) -> Option<RayHit> {
-        let mut hit = RayHit::none();
-        self.ray_traverse(ray, &mut hit, |ray, i| triangles[i].intersect(ray))
-            .then_some(hit)
-    }
-
-    fn occluded(&self, ray: obvhs::ray::Ray, triangles: &[RtTriangle]) -> bool {
-        !self.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
-    }
-}
+layout!(Bvh2);
+layout!(CwBvh);
