@@ -23,3 +23,4 @@ pub mod results;
 pub mod schema;
 pub mod statistics;
 pub mod sweep;
+pub mod throughput;

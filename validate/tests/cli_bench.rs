@@ -3,10 +3,11 @@
 mod command;
 
 use command::Folder;
-use dacrt::Isa;
 use dacrt::bench::KERNELS;
 use dacrt::bench::ingredients::TRIANGLE_TESTS;
+use dacrt::{Isa, Method};
 use dacrt_validate::kernels::Document;
+use dacrt_validate::throughput;
 
 const QUICK: &str = "bench kernels --quick --repeats 2";
 
@@ -68,6 +69,14 @@ fn what_cannot_be_is_refused() {
         ("bench kernels --isa sse", &["--isa", "sse", "portable"]),
         ("bench kernels --isa avx512,sse", &["sse"]),
         ("bench kernels --scenes hall", &["--scenes", "ingredients"]),
+        (
+            "bench ingredients --threads 2",
+            &["--threads", "throughput"],
+        ),
+        ("bench kernels --rays primary", &["--rays", "throughput"]),
+        ("bench throughput --threads 0", &["--threads", "1 to 1024"]),
+        ("bench throughput --isa avx2,portable", &["--isa", "one"]),
+        ("bench throughput --methods none", &["none", "best"]),
         ("bench ingredients --scenes none", &["none", "dacrt scenes"]),
         ("bench kernels --repeats 0", &["--repeats", "1 to 1000"]),
         ("bench kernels --out no/such.json", &["--out", "no folder"]),
@@ -106,5 +115,46 @@ fn ingredients_have_errors_and_times() {
             (&errors["lost"], &errors["false_hits"]),
             (&0.into(), &0.into())
         );
+    }
+}
+
+#[test]
+fn throughput_has_every_method_and_number_of_threads() {
+    let folder = Folder::new();
+    let text = folder
+        .dacrt(
+            "bench throughput --quick --repeats 2 --scenes ./tiny.json --threads 2,3 --out t.json",
+        )
+        .exits(0)
+        .stdout();
+    for line in text.lines() {
+        assert!(line.chars().count() <= 100, "{line}");
+    }
+    let document: throughput::Document = serde_json::from_value(folder.json("t.json")).unwrap();
+    assert_eq!(document.kind, throughput::KIND);
+    let rays: Vec<&str> = document.batches.iter().map(|b| b.rays.as_str()).collect();
+    assert_eq!(rays, ["primary", "shadow-point", "diffuse-1"]);
+    for batch in &document.batches {
+        let ours = |name: &str| Method::ALL.iter().any(|method| method.name() == name);
+        for timing in &batch.timings {
+            assert_eq!(timing.samples_ms.len(), 2);
+            assert!(timing.mrays_per_s > 0.0 && timing.over_one_thread.ratio > 0.0);
+            // The hits of all methods are the same bits.
+            let same = timing.hit_hash == batch.timings[0].hit_hash;
+            assert!(same || !ours(&timing.tracer), "{}", timing.tracer);
+        }
+        let with = |scheme, threads| {
+            let of = (batch.timings.iter())
+                .filter(|timing| (timing.scheme, timing.threads) == (scheme, threads));
+            of.map(|timing| timing.tracer.as_str()).collect::<Vec<_>>()
+        };
+        for threads in [1, 2, 3] {
+            let names = with(throughput::Scheme::Throughput, threads);
+            let (embree, methods) = names.split_last().unwrap();
+            assert!(methods.iter().eq(Method::ALL.map(Method::name).iter()));
+            assert!(embree.starts_with("embree "), "{embree}");
+            let together = with(throughput::Scheme::Latency, threads);
+            assert_eq!(together, if threads == 1 { vec![] } else { vec!["best"] });
+        }
     }
 }

@@ -61,7 +61,7 @@ pub enum Command {
     Plot(PlotArgs),
     /// Measure what a paper prints, and set its figures beside ours
     Paper(PaperArgs),
-    /// Measure the inner loops one by one, beside what the machine can do at most
+    /// Measure the inner loops one by one beside what the machine can do, or the throughput of threads
     Bench(BenchArgs),
     /// Trace hard cases with every precision and with Embree, and count errors by exact arithmetic
     Hard(HardArgs),
@@ -455,6 +455,7 @@ pub struct PaperArgs {
 pub enum Bench {
     Kernels,
     Ingredients,
+    Throughput,
 }
 
 #[derive(Args)]
@@ -487,23 +488,36 @@ of hits is off, in units in the last place (0.5 at most if rounded correctly) an
 boxes: of a million hits, those whose own box the ray misses, and those whose t, as fast computes it
 or exact, lies outside of the interval of their own box: what padding is for.
 
+throughput  Mora 2011, section 4.2: N threads trace N copies of a batch at once, each with a
+         workspace of its own that is made beforehand; mesh and rays are shared. The time is from a
+         barrier to the last thread that is done. Embree does the same on one shared tree of the
+         quality, by the query, with which one thread traces the batch fastest; its build is not in
+         any time. Of best there is also one trace by N threads, latency. All take turns. The hits
+         are checked as by `dacrt run`, and those of each thread have to be the same bits: else
+         there are no times, and the exit code is 1.
+
+Its table: million rays a second of all threads together, and how many times those of one thread
+that is, with its 95 % bootstrap interval; then the same of one trace by all threads.
+
 Examples:
   dacrt bench kernels
   dacrt bench kernels --isa avx512 --repeats 21 --out kernels.json
-  dacrt bench ingredients --scenes sibenik,conference --out ingredients.json")]
+  dacrt bench ingredients --scenes sibenik,conference --out ingredients.json
+  dacrt bench throughput --scenes hall,sibenik --methods mora2011-cones,best --threads 1,2,4,8")]
 pub struct BenchArgs {
     /// What to measure
     #[arg(value_enum)]
     pub what: Bench,
-    /// Instruction sets: avx512, avx2, portable [default: all that the processor has]
+    /// Instruction sets: avx512, avx2, portable [default: all that the processor has; of throughput,
+    /// which takes one, the best]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub isa: Option<Vec<String>>,
-    /// Scenes whose rays are taken, of ingredients [default: hall]
+    /// Scenes whose rays are taken, of ingredients and throughput [default: hall]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub scenes: Option<Vec<String>>,
     #[command(flatten)]
     pub meshes: MeshArgs,
-    /// Samples of each kernel
+    /// Samples of each contestant
     #[arg(
         long,
         value_name = "N",
@@ -518,6 +532,38 @@ pub struct BenchArgs {
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-bench.json")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub throughput: ThroughputArgs,
+}
+
+/// What only `bench throughput` takes.
+#[derive(Args)]
+#[command(next_help_heading = "Of throughput")]
+pub struct ThroughputArgs {
+    /// Picture sizes in pixels [default: 512; 32 with --quick]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "N|WxH",
+        allow_negative_numbers = true
+    )]
+    pub resolution: Option<Vec<Resolution>>,
+    /// Ray types, as of `dacrt run` [default: primary,shadow-point,diffuse-1, those that the scene is
+    /// for]
+    #[arg(long, value_delimiter = ',', value_name = "TYPES")]
+    pub rays: Option<Vec<String>>,
+    /// Methods [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub methods: Option<Vec<String>>,
+    /// Numbers of threads; one thread is always measured [default: 1,2,4,... and all of this machine]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = whole(1..=1024u32)
+    )]
+    pub threads: Option<Vec<u32>>,
 }
 
 #[derive(Args)]

@@ -1,11 +1,13 @@
-//! `dacrt bench`: the kernels one by one, and what each numerical ingredient does.
+//! `dacrt bench`: the kernels one by one, what each numerical ingredient does, and threads that trace
+//! a batch each.
 
 use super::Verdict;
-use super::args::{Bench, BenchArgs};
+use super::args::{Bench, BenchArgs, ThroughputArgs};
 use super::ingredients::ingredients;
 use super::plan::{check_writable, distinct, isa};
 use super::progress::Progress;
 use super::text::{columns, complain, print};
+use super::throughput::throughput;
 use anyhow::{Context, ensure};
 use dacrt::Isa;
 use dacrt::bench::KERNELS;
@@ -19,17 +21,35 @@ pub fn bench(args: &BenchArgs) -> anyhow::Result<Verdict> {
         None => Isa::available().collect(),
         Some(names) => distinct(names).map(isa).collect::<anyhow::Result<_>>()?,
     };
+    let ThroughputArgs {
+        resolution,
+        rays,
+        methods,
+        threads,
+    } = &args.throughput;
+    for (option, is_given) in [
+        ("--resolution", resolution.is_some()),
+        ("--rays", rays.is_some()),
+        ("--methods", methods.is_some()),
+        ("--threads", threads.is_some()),
+    ] {
+        ensure!(
+            !is_given || matches!(args.what, Bench::Throughput),
+            "{option} is for `bench throughput`"
+        );
+    }
     check_writable(&args.out).context("--out")?;
     match args.what {
         Bench::Kernels => kernels(args, isas),
         Bench::Ingredients => ingredients(args, isas),
+        Bench::Throughput => throughput(args, isas),
     }
 }
 
 fn kernels(args: &BenchArgs, isas: Vec<Isa>) -> anyhow::Result<Verdict> {
     ensure!(
         args.scenes.is_none(),
-        "--scenes is for `bench ingredients`: the data of kernels are made up"
+        "--scenes is for `bench ingredients` and `bench throughput`: the data of kernels are made up"
     );
     let plan = Plan {
         isas,

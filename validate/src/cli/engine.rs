@@ -63,6 +63,11 @@ impl Workspaces {
         }
     }
 
+    /// Bytes of all that are made.
+    pub fn bytes(&self) -> usize {
+        self.made.iter().map(Workspace::bytes).sum()
+    }
+
     /// The one for these parameters.
     pub fn of(&mut self, parameters: &Parameters) -> &mut Workspace {
         let (rays, triangles, threads) = (self.rays, self.triangles, self.threads);

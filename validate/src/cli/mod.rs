@@ -27,6 +27,7 @@ mod source;
 mod sweep;
 mod table;
 mod text;
+mod throughput;
 mod time_to_go;
 mod trace;
 

@@ -16,5 +16,5 @@ pub use best::{Best, Combination};
 pub use device::{Device, Info, mxcsr};
 pub use mode::Mode;
 pub use packed::Packed;
-pub use scene::{Quality, Scene};
+pub use scene::{Committed, Quality, Scene};
 pub use trace::Query;

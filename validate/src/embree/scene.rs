@@ -60,9 +60,9 @@ pub struct Scene {
 
 /// A committed scene as threads take it that trace.
 #[derive(Clone, Copy)]
-pub(super) struct Committed<'a> {
+pub struct Committed<'a> {
     handle: sys::RTCScene,
-    pub robust: bool,
+    pub(super) robust: bool,
     _scene: PhantomData<&'a Scene>,
 }
 
@@ -71,7 +71,7 @@ pub(super) struct Committed<'a> {
 unsafe impl Sync for Committed<'_> {}
 
 impl Committed<'_> {
-    pub fn handle(&self) -> sys::RTCScene {
+    pub(super) fn handle(&self) -> sys::RTCScene {
         self.handle
     }
 }
@@ -148,7 +148,7 @@ impl Scene {
     }
 
     /// For threads to trace.
-    pub(super) fn committed(&self) -> Committed<'_> {
+    pub fn committed(&self) -> Committed<'_> {
         Committed {
             handle: self.handle(),
             robust: self.robust,

@@ -54,11 +54,7 @@ impl Scene {
         let records = hits.t.chunks_mut(BLOCK).zip(hits.prim.chunks_mut(BLOCK));
         let blocks = (0..).step_by(BLOCK).zip(records);
         self.threads().deal(blocks, |(from, (t, prim))| {
-            let trace = match query {
-                Query::Single => nearest1,
-                Query::Packet16 | Query::Packet16Coherent => nearest16,
-            };
-            trace(&scene, batch, query, from, t, prim);
+            scene.nearest_from(batch, query, from, t, prim);
         });
     }
 
@@ -75,12 +71,51 @@ impl Scene {
         let scene = self.committed();
         let blocks = (0..).step_by(BLOCK).zip(occluded.chunks_mut(BLOCK));
         self.threads().deal(blocks, |(from, occluded)| {
-            let trace = match query {
-                Query::Single => any1,
-                Query::Packet16 | Query::Packet16Coherent => any16,
-            };
-            trace(&scene, batch, query, from, occluded);
+            scene.any_from(batch, query, from, occluded);
         });
+    }
+}
+
+impl Committed<'_> {
+    /// As [`Scene::nearest`], on the thread that calls, whatever threads the device has.
+    ///
+    /// # Panics
+    /// If there are not as many hits as rays.
+    pub fn nearest(&self, batch: &Batch, query: Query, hits: &mut Hits) {
+        assert_eq!(hits.len(), batch.len(), "one hit record a ray");
+        self.nearest_from(batch, query, 0, &mut hits.t, &mut hits.prim);
+    }
+
+    /// As [`Scene::any`], on the thread that calls, whatever threads the device has.
+    ///
+    /// # Panics
+    /// If there are not as many answers as rays.
+    pub fn any(&self, batch: &Batch, query: Query, occluded: &mut [u8]) {
+        assert_eq!(occluded.len(), batch.len(), "one answer a ray");
+        self.any_from(batch, query, 0, occluded);
+    }
+
+    fn nearest_from(
+        &self,
+        batch: &Batch,
+        query: Query,
+        from: usize,
+        t: &mut [f32],
+        prim: &mut [u32],
+    ) {
+        let trace = match query {
+            Query::Single => nearest1,
+            Query::Packet16 | Query::Packet16Coherent => nearest16,
+        };
+        trace(self, batch, query, from, t, prim);
+    }
+
+    fn any_from(&self, batch: &Batch, query: Query, from: usize, occluded: &mut [u8]) {
+        let trace = match query {
+            Query::Single => any1,
+            Query::Packet16 | Query::Packet16Coherent => any16,
+        };
+        trace(self, batch, query, from, occluded);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use dacrt::{Batch, Hits};
 use dacrt::{Mesh, Trace, Tracer, Workspace};
-use dacrt_validate::embree::{Query, Scene};
+use dacrt_validate::embree::{Committed, Query, Scene};
 use dacrt_validate::judge;
 use dacrt_validate::peers::Tree;
 
@@ -20,6 +20,14 @@ impl Answers {
         match any {
             false => Answers::Nearest(Hits::misses(rays)),
             true => Answers::Any(vec![0; rays]),
+        }
+    }
+
+    /// Makes all of them such as no trace gives, so that one which writes none is found out.
+    pub fn spoil(&mut self) {
+        match self {
+            Answers::Nearest(hits) => hits.t.fill(f32::NAN),
+            Answers::Any(occluded) => occluded.fill(u8::MAX),
         }
     }
 
@@ -71,6 +79,14 @@ impl Answers {
 
     /// Fills in what Embree finds.
     pub fn trace_embree(&mut self, scene: &Scene, batch: &Batch, query: Query) {
+        match self {
+            Answers::Nearest(hits) => scene.nearest(batch, query, hits),
+            Answers::Any(occluded) => scene.any(batch, query, occluded),
+        }
+    }
+
+    /// Fills in what Embree finds, on the thread that calls.
+    pub fn trace_embree_alone(&mut self, scene: &Committed, batch: &Batch, query: Query) {
         match self {
             Answers::Nearest(hits) => scene.nearest(batch, query, hits),
             Answers::Any(occluded) => scene.any(batch, query, occluded),

@@ -18,20 +18,21 @@ use anyhow::ensure;
 use cells::{Peer, enter_times};
 use contest::{Entrant, contest};
 use dacrt::scene::Scene;
-use dacrt::workloads::{Film, Workload};
-use dacrt::{Batch, Method, Parameters, SpaceParameters, Tracer};
+use dacrt::workloads::{Film, RayType, Workload};
+use dacrt::{Batch, Mesh, Method, Parameters, SpaceParameters, Tracer};
 use dacrt_validate::diff::Checker;
-use dacrt_validate::embree::{Device, Mode, Query};
+use dacrt_validate::embree::{Device, Mode};
 use dacrt_validate::hash::{hit_hash, ray_hash};
 use dacrt_validate::judge::Judge;
 use dacrt_validate::machine::{Machine, Software};
 use dacrt_validate::peers;
 use dacrt_validate::results::{Cell, CellKey, Document, SCHEMA};
-use reference::{PeerTree, Reference};
+use reference::PeerTree;
 
 pub use answers::Answers;
 pub use cells::BatchKey;
 pub use findings::Findings;
+pub use reference::Reference;
 
 /// Does the whole job; a finding is a wrong hit.
 pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {
@@ -208,6 +209,15 @@ pub fn batch_key(job: &SceneJob, round: &Round) -> BatchKey {
     }
 }
 
+/// The rays of one type, secondary ones from the hits of their parents: always those of the baseline
+/// with its defaults in precision `fast`, whatever is measured.
+pub fn make_rays(workload: &mut Workload, ray_type: RayType, mesh: &Mesh) -> anyhow::Result<Batch> {
+    let tracer = Tracer::new(Method::Afra2012.parameters());
+    let mut engine = Engine::new(tracer, mesh);
+    let rays = workload.rays(ray_type, &mut |parents| engine.nearest(parents).0)?;
+    Ok(rays.batch)
+}
+
 /// One scene with all that its batches need.
 struct Bench<'a> {
     scene: &'a Scene,
@@ -242,22 +252,11 @@ impl Bench<'_> {
         let (mesh, any) = (&self.scene.mesh, ray_type.is_any_hit());
 
         step("making rays");
-        let batch = {
-            // Always the baseline with its defaults in precision `fast`, whatever the run is about.
-            let tracer = Tracer::new(Method::Afra2012.parameters());
-            let mut engine = Engine::new(tracer, mesh);
-            let rays = workload.rays(ray_type, &mut |parents| engine.nearest(parents).0)?;
-            rays.batch
-        };
+        let batch = make_rays(workload, ray_type, mesh)?;
         let ray_hash = ray_hash(&batch);
 
         step("checking");
-        let by_embree = |scene| {
-            let mut answers = Answers::room(batch.len(), any);
-            answers.trace_embree(scene, &batch, Query::Single);
-            answers
-        };
-        let [fast, robust] = Mode::ALL.map(|mode| by_embree(self.reference.scene(mode)));
+        let [fast, robust] = self.reference.answers(&batch, any);
         let seed = self.plan.engine.seed;
         let (fast, robust) = (fast.view(), robust.view());
         let mut checker =

@@ -1,9 +1,10 @@
 //! The scenes of Embree and the trees of other libraries of one mesh, and what it took to build
 //! them.
 
+use super::answers::Answers;
 use crate::cli::progress::Progress;
-use dacrt::Mesh;
-use dacrt_validate::embree::{Device, Mode, Quality, Scene};
+use dacrt::{Batch, Mesh};
+use dacrt_validate::embree::{Device, Mode, Quality, Query, Scene};
 use dacrt_validate::peers::{self, Peer, Tree};
 
 /// A quality whose builds have taken this long together is not built again.
@@ -85,6 +86,15 @@ impl Reference {
         let mut all = timed.chain(self.judges.iter().map(|(mode, scene)| (*mode, scene)));
         let scene = all.find(|(m, _)| *m == mode);
         scene.expect("each mode is built").1
+    }
+
+    /// What the scenes that hits are judged by answer, for each of [`Mode::ALL`].
+    pub fn answers(&self, batch: &Batch, any: bool) -> [Answers; 2] {
+        Mode::ALL.map(|mode| {
+            let mut answers = Answers::room(batch.len(), any);
+            answers.trace_embree(self.scene(mode), batch, Query::Single);
+            answers
+        })
     }
 }
 
