@@ -493,19 +493,20 @@ of hits is off, in units in the last place (0.5 at most if rounded correctly) an
 boxes: of a million hits, those whose own box the ray misses, and those whose t, as fast computes it
 or exact, lies outside of the interval of their own box: what padding is for.
 
-growth   Time of best, afra2012, nabata2013 and Embree (low and medium build) against the number of rays
-         (10,000 to --max-rays, 200,000 triangles) and of triangles (1,000 to --max-triangles, a million
-         rays), in steps of half a decade: primary and diffuse-1 rays of the generated scene hall,
-         square pictures, one thread. Every hit is checked as by `dacrt run`, and there is no time
-         without right hits; if some are wrong, the exit code is 1. A point that would take more than
-         80 % of the free memory, or more than 15 minutes by the time of the one before it, is left
-         out; the file and the last lines say so. --repeats 3 is enough; it takes an hour or so.
+growth   Time of best, afra2012, nabata2013 and Embree (low and medium build) against the number of
+         rays (10,000 to --max-rays, 200,000 triangles) and of triangles (1,000 to --max-triangles,
+         a million rays), in steps of half a decade: primary and diffuse-1 rays of the generated
+         scene hall, square pictures, one thread. Every hit is checked as by `dacrt run`, and there
+         is no time without right hits; if some are wrong, the exit code is 1. A point that would
+         take more than 80 % of the free memory, or more than 30 minutes by the time of the one
+         before it, is left out; the file and the last lines say so. --repeats 3 is enough; an hour
+         or so.
 
 In its table and its file: `exponent` is p if time went with the p-th power of the number from one
-point to the next (`all`: from the first to the last); `over n log n` is the time over n log n, 1 at the first point: it stays below 1
-if time grows no faster than n log n. Embree's times are build + trace by its fastest query (the file
-has both). MiB: our workspace; Embree's memory, of the build whose sum with the trace is the least.
-`dacrt plot growth` draws the file.
+point to the next (`all`: from the first to the last); `over n log n` is the time over n log n, 1 at
+the first point: it stays below 1 if time grows no faster than n log n. Embree's times are build +
+trace by its fastest query (the file has both). MiB: our workspace; Embree's memory, of the build
+whose sum with the trace is the least. `dacrt plot growth` draws the file.
 
 Examples:
   dacrt bench kernels

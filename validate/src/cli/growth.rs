@@ -32,7 +32,7 @@ const QUALITIES: &[Quality] = &[Quality::Low, Quality::Medium];
 const SEED: u64 = 1;
 
 /// Seconds that a point may take.
-const SECONDS: f64 = 900.0;
+const SECONDS: f64 = 1800.0;
 /// Share of the free memory that a point may take.
 const SHARE: f64 = 0.8;
 /// Bytes of a triangle but for workspaces: the mesh, three scenes of Embree and what builds the last of
@@ -348,9 +348,9 @@ mod tests {
         let step = step(1_000_000, 100);
         assert_eq!(step.too_big(None, 1 << 40), None);
         assert!(step.too_big(None, 1 << 20).unwrap().starts_with("memory"));
-        assert_eq!(step.too_big(Some((500_000, 100.0)), 1 << 40), None);
-        let why = step.too_big(Some((500_000, 500.0)), 1 << 40).unwrap();
-        assert!(why.starts_with("time") && why.contains("1000 s"), "{why}");
+        assert_eq!(step.too_big(Some((500_000, 800.0)), 1 << 40), None);
+        let why = step.too_big(Some((500_000, 1000.0)), 1 << 40).unwrap();
+        assert!(why.starts_with("time") && why.contains("2000 s"), "{why}");
     }
 
     #[test]
