@@ -5,6 +5,7 @@
 //! pass reorders or changes, [`Bench::reset`] puts back, outside of the time: so every pass does the
 //! same work in the same order.
 
+mod best;
 pub mod ingredients;
 mod peak;
 mod rays;
@@ -31,6 +32,12 @@ pub struct Kernel {
 /// Filters keep about half. Lists are in the order of memory unless it says otherwise. Triangles meet
 /// the nine axes in lists of 96, cones a box in lists of 256, rays triangles in lists of 512 and 16:
 /// what it takes to begin a list is in the time.
+///
+/// Of method `best`: one pass over groups, in lists of 256, or over rays makes both children, and each
+/// group or ray counts once for each box; rays are put in order in windows of 131,072 or of all that
+/// there are, and the 32,768 buckets of a window are in the time; clusters have 8 triangles on average,
+/// and emptying the cells of the grid is in the time; leaves have 16 triangles, prepared beforehand where
+/// rays, in lists of 512, meet them.
 pub const KERNELS: &[Kernel] = &[
     Kernel {
         name: "triangle/plane, in order",
@@ -111,6 +118,71 @@ pub const KERNELS: &[Kernel] = &[
         name: "ray/triangle copied, own origins",
         test: "ray/triangle",
         make: rays::copied_triangles::<false>,
+    },
+    Kernel {
+        name: "group/box, one origin",
+        test: "group/box",
+        make: best::group_box::<true>,
+    },
+    Kernel {
+        name: "group/box, own origins",
+        test: "group/box",
+        make: best::group_box::<false>,
+    },
+    Kernel {
+        name: "ray/box two boxes, one origin",
+        test: "ray/box",
+        make: best::both_boxes::<true>,
+    },
+    Kernel {
+        name: "ray/box two boxes, own origins",
+        test: "ray/box",
+        make: best::both_boxes::<false>,
+    },
+    Kernel {
+        name: "ray put in order",
+        test: "ray",
+        make: best::put_in_order,
+    },
+    Kernel {
+        name: "triangle to cluster, in order",
+        test: "triangle",
+        make: best::clusters,
+    },
+    Kernel {
+        name: "triangle to cluster, random order",
+        test: "triangle",
+        make: best::clusters_in_random_order,
+    },
+    Kernel {
+        name: "triangle prepared, one origin",
+        test: "triangle",
+        make: best::prepare::<true>,
+    },
+    Kernel {
+        name: "triangle prepared, own origins",
+        test: "triangle",
+        make: best::prepare::<false>,
+    },
+    Kernel {
+        name: "ray/triangle groups, one origin",
+        test: "ray/triangle",
+        make: best::group_leaves::<true>,
+    },
+    Kernel {
+        name: "ray/triangle groups, own origins",
+        test: "ray/triangle",
+        make: best::group_leaves::<false>,
+    },
+    Kernel {
+        name: "ray/triangle kept, one origin",
+        test: "ray/triangle",
+        make: best::copied_leaves::<true>,
+    },
+    Kernel {
+        name: "ray/triangle kept, own origins",
+        test: "ray/triangle",
+        make: best::copied_leaves::<false>,
     },
 ];
 

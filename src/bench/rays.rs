@@ -14,7 +14,7 @@ use glam::Vec3;
 use std::ptr::null_mut;
 
 /// Rays of a list that meets triangles.
-const RAYS: usize = 512;
+pub(super) const RAYS: usize = 512;
 /// Triangles of such a list.
 const TRIANGLES: usize = 16;
 /// Lists of triangles; the next list of rays takes the next of these.
@@ -22,7 +22,7 @@ const LISTS: usize = 64;
 
 /// Rays into the unit cube, none of them along a plane of it: a single such ray makes all tests of a
 /// batch slower.
-fn batch(len: usize, shared: bool) -> Batch {
+pub(super) fn batch(len: usize, shared: bool) -> Batch {
     let ray = |i| {
         let origin = match shared {
             true => Vec3::splat(0.5),
@@ -135,7 +135,7 @@ pub(super) fn indexed_triangles<const SHARED: bool>(bytes: usize) -> Bench {
     }
 }
 
-fn whole_lists(rays: usize) -> usize {
+pub(super) fn whole_lists(rays: usize) -> usize {
     (rays / RAYS).max(1) * RAYS
 }
 
@@ -182,7 +182,7 @@ impl<const SHARED: bool> Work for IndexedTriangles<SHARED> {
 }
 
 /// The lists of copied rays of a batch.
-struct Copied {
+pub(super) struct Copied {
     batch: Batch,
     active: ActiveRays,
     directions: Vec<[f32; 4]>,
@@ -191,17 +191,36 @@ struct Copied {
 }
 
 impl Copied {
-    fn new(len: usize, shared: bool) -> Copied {
+    pub fn new(len: usize, shared: bool) -> Copied {
+        Copied::with_room(len, len, shared)
+    }
+
+    /// With lists for a batch of `room` rays.
+    pub fn with_room(len: usize, room: usize, shared: bool) -> Copied {
         Copied {
             batch: batch(len, shared),
-            active: ActiveRays::new(len),
+            active: ActiveRays::new(room),
             directions: vec![[0.0; 4]; len],
             t: vec![0.0; len],
             prim: vec![0; len],
         }
     }
 
-    fn pointers(&mut self, shared: bool) -> Rays {
+    pub fn len(&self) -> usize {
+        self.batch.len()
+    }
+
+    /// Ids of all places of the lists.
+    pub fn ids(&self) -> &[u32] {
+        self.active.ids()
+    }
+
+    /// The triangle that each ray hits.
+    pub fn found(&self) -> &[u32] {
+        &self.prim
+    }
+
+    pub fn pointers(&mut self, shared: bool) -> Rays {
         let (active, scratch) = self.active.streams();
         Rays {
             active,
@@ -220,7 +239,7 @@ impl Copied {
         }
     }
 
-    fn reset(&mut self, shared: bool) {
+    pub fn reset(&mut self, shared: bool) {
         let rays = self.pointers(shared);
         self.prim.fill(crate::rays::MISS);
         // SAFETY: the processor was checked; there is room for the batch.

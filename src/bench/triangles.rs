@@ -223,7 +223,7 @@ impl Work for NineAxes {
 }
 
 /// What is divided by object splitting.
-fn items(len: usize) -> Vec<Item> {
+pub(super) fn items(len: usize) -> Vec<Item> {
     let item = |i| Item::new(&triangle(i), i as u32);
     (0..len).map(item).collect()
 }

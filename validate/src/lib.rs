@@ -7,6 +7,7 @@ pub mod compare;
 pub mod diff;
 pub mod embree;
 pub mod exact;
+pub mod growth;
 pub mod hard;
 pub mod hash;
 pub mod ingredients;

@@ -44,6 +44,13 @@ impl Machine {
     }
 }
 
+/// Bytes of main memory that nobody uses.
+pub fn available_memory() -> u64 {
+    let memory = MemoryRefreshKind::nothing().with_ram();
+    let system = System::new_with_specifics(RefreshKind::nothing().with_memory(memory));
+    system.available_memory()
+}
+
 /// What ran.
 ///
 /// Commit and state are those at build time (`build/version.rs`): they say which source is in the

@@ -6,6 +6,7 @@ use command::Folder;
 use dacrt::bench::KERNELS;
 use dacrt::bench::ingredients::TRIANGLE_TESTS;
 use dacrt::{Isa, Method};
+use dacrt_validate::growth::{self, Grows, Point};
 use dacrt_validate::kernels::Document;
 use dacrt_validate::throughput;
 
@@ -78,6 +79,14 @@ fn what_cannot_be_is_refused() {
         ("bench throughput --isa avx2,portable", &["--isa", "one"]),
         ("bench throughput --methods none", &["none", "best"]),
         ("bench ingredients --scenes none", &["none", "dacrt scenes"]),
+        ("bench kernels --max-rays 5000", &["bench growth"]),
+        (
+            "bench growth --max-rays 5000",
+            &["--max-rays 5000", "10000"],
+        ),
+        ("bench growth --max-triangles 5", &["--max-triangles"]),
+        ("bench growth --scenes hall", &["--scenes", "ingredients"]),
+        ("bench growth --isa avx2,portable", &["--isa", "one"]),
         ("bench kernels --repeats 0", &["--repeats", "1 to 1000"]),
         ("bench kernels --out no/such.json", &["--out", "no folder"]),
     ] {
@@ -157,4 +166,65 @@ fn throughput_has_every_method_and_number_of_threads() {
             assert_eq!(together, if threads == 1 { vec![] } else { vec!["best"] });
         }
     }
+}
+
+/// Every contestant has a curve of each kind with all points; the derived numbers are those of the times;
+/// the file can be drawn.
+#[test]
+fn growth_has_a_curve_for_every_contestant() {
+    let folder = Folder::new();
+    let text = folder
+        .dacrt("bench growth --quick --repeats 1 --max-triangles 10000 --out g.json")
+        .exits(0)
+        .stdout();
+    for line in text.lines() {
+        assert!(line.chars().count() <= 100, "{line}");
+    }
+    let document = growth::Document::read(&folder.path("g.json")).unwrap();
+    assert_eq!(document.curves.len(), 2 * 2 * 5);
+    assert_eq!(document.left_out, []);
+    for curve in &document.curves {
+        let name = &curve.contestant;
+        assert!(text.contains(name), "{name}\n{text}");
+        let numbers: Vec<usize> = curve.points.iter().map(|p| p.number(curve.grows)).collect();
+        match curve.grows {
+            // Square pictures; diffuse rays start where primary rays hit.
+            Grows::Rays if curve.rays == "primary" => assert_eq!(numbers, [32 * 32, 56 * 56]),
+            Grows::Rays => assert!(numbers[0] > 500 && numbers[1] > 2 * numbers[0]),
+            Grows::Triangles => assert_eq!(numbers, [1000, 3162, 10_000]),
+        }
+        let [first, second] = [&curve.points[0], &curve.points[1]];
+        let of = |point: &Point| (point.number(curve.grows), point.ms.unwrap());
+        let expected = growth::exponent(of(first), of(second));
+        assert_eq!(second.exponent, Some(expected));
+        assert_eq!((first.exponent, first.over_n_log_n), (None, Some(1.0)));
+        let is_embree = name.starts_with("embree");
+        for point in &curve.points {
+            let parts = [point.build_ms, point.trace_ms].map(|ms| ms.is_some_and(|ms| ms > 0.0));
+            assert_eq!(parts, [is_embree; 2], "{name}");
+            assert!(is_embree || point.bytes.is_some_and(|bytes| bytes > 100_000));
+        }
+    }
+    // Of one build or the other.
+    let embree = document
+        .curves
+        .iter()
+        .filter(|c| c.contestant.starts_with("embree"));
+    let known = embree.flat_map(|c| &c.points).filter(|p| p.bytes.is_some());
+    assert_eq!(known.count(), 2 * (2 + 3));
+    assert_eq!(document.cells.len(), 2 * (2 + 3) * 3);
+
+    let plot = folder.dacrt("plot growth g.json --out g.svg");
+    assert!(plot.exits(0).stdout().contains("20 curves, 50 points"));
+    let svg = std::fs::read_to_string(folder.path("g.svg")).unwrap();
+    for words in ["nabata2013", "diffuse-1, 10,000 triangles", "n log n"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    folder
+        .dacrt("plot growth g.json g.json --out g.svg")
+        .refuses(&["one file"]);
+    folder.write("other.json", "{}");
+    folder
+        .dacrt("plot growth other.json --out g.svg")
+        .refuses(&["other.json", "bench growth"]);
 }

@@ -30,6 +30,7 @@ Examples:
   dacrt plot errors dacrt-run.json --out errors.svg
   dacrt paper mora2011
   dacrt bench kernels
+  dacrt bench growth
   dacrt hard
   dacrt render hall --what shaded,boxes
   dacrt trace --mesh bunny.obj --rays rays.npy --method nabata2013 --out hits.npz
@@ -371,6 +372,7 @@ pub struct TableArgs {
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Plot {
     Errors,
+    Growth,
 }
 
 #[derive(Args)]
@@ -379,10 +381,13 @@ errors  Nanoseconds a ray against answers that are not those of exact arithmetic
         both logarithmic: our precisions by the method that is the fastest in each batch, and
         Embree's modes with their builds; a panel for each ray type. What has no error stands on the
         line at the bottom. For few errors to be seen, many rays have to be judged: --exact-all.
+growth  Milliseconds against the number of rays and of triangles, both logarithmic, of a file of
+        `dacrt bench growth`; the grey line is n log n through the last point of best.
 
 Examples:
   dacrt run --scenes hall,soup --precision fast,watertight,exact --exact-all 1000000
-  dacrt plot errors dacrt-run.json --out errors.svg")]
+  dacrt plot errors dacrt-run.json --out errors.svg
+  dacrt plot growth growth.json --out growth.svg")]
 pub struct PlotArgs {
     /// What to draw
     #[arg(value_enum)]
@@ -456,6 +461,7 @@ pub enum Bench {
     Kernels,
     Ingredients,
     Throughput,
+    Growth,
 }
 
 #[derive(Args)]
@@ -488,6 +494,21 @@ of hits is off, in units in the last place (0.5 at most if rounded correctly) an
 boxes: of a million hits, those whose own box the ray misses, and those whose t, as fast computes it
 or exact, lies outside of the interval of their own box: what padding is for.
 
+growth   Time of best, afra2012, nabata2013 and Embree (low and medium build) against the number of
+         rays (10,000 to --max-rays, 200,000 triangles) and of triangles (1,000 to --max-triangles,
+         a million rays), in steps of half a decade: primary and diffuse-1 rays of the generated
+         scene hall, square pictures, one thread. Every hit is checked as by `dacrt run`, and there
+         is no time without right hits; if some are wrong, the exit code is 1. A point that would
+         take more than 80 % of the free memory, or more than 30 minutes by the time of the one
+         before it, is left out; the file and the last lines say so. --repeats 3 is enough; an hour
+         or so.
+
+In its table and its file: `exponent` is p if time went with the p-th power of the number from one
+point to the next (`all`: from the first to the last); `over n log n` is the time over n log n, 1 at
+the first point: it stays below 1 if time grows no faster than n log n. Embree's times are build +
+trace by its fastest query (the file has both). MiB: our workspace; Embree's memory, of the build
+whose sum with the trace is the least. `dacrt plot growth` draws the file.
+
 throughput  Mora 2011, section 4.2: N threads trace N copies of a batch at once, each with a
          workspace of its own that is made beforehand; mesh and rays are shared. The time is from a
          barrier to the last thread that is done. Embree does the same on one shared tree of the
@@ -501,6 +522,7 @@ that is, with its 95 % bootstrap interval; then the same of one trace by all thr
 
 Examples:
   dacrt bench kernels
+  dacrt bench growth --repeats 3 --out growth.json
   dacrt bench kernels --isa avx512 --repeats 21 --out kernels.json
   dacrt bench ingredients --scenes sibenik,conference --out ingredients.json
   dacrt bench throughput --scenes hall,sibenik --methods mora2011-cones,best --threads 1,2,4,8")]
@@ -517,7 +539,13 @@ pub struct BenchArgs {
     pub scenes: Option<Vec<String>>,
     #[command(flatten)]
     pub meshes: MeshArgs,
-    /// Samples of each contestant
+    /// The most rays of growth [default: 16000000]
+    #[arg(long, value_name = "N", value_parser = whole(1_000..=1_000_000_000usize))]
+    pub max_rays: Option<usize>,
+    /// The most triangles of growth [default: 30000000]
+    #[arg(long, value_name = "N", value_parser = whole(1_000..=1_000_000_000usize))]
+    pub max_triangles: Option<usize>,
+    /// Samples of each kernel, or of each contestant
     #[arg(
         long,
         value_name = "N",

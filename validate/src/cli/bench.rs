@@ -1,8 +1,9 @@
-//! `dacrt bench`: the kernels one by one, what each numerical ingredient does, and threads that trace
-//! a batch each.
+//! `dacrt bench`: the kernels one by one, what each numerical ingredient does, how time grows, and
+//! threads that trace a batch each.
 
 use super::Verdict;
 use super::args::{Bench, BenchArgs, ThroughputArgs};
+use super::growth::growth;
 use super::ingredients::ingredients;
 use super::plan::{check_writable, distinct, isa};
 use super::progress::Progress;
@@ -15,7 +16,7 @@ use dacrt_validate::kernels::{Document, Figure, Level, Plan, Printed, Timing, me
 use dacrt_validate::machine::Machine;
 
 /// Measures, writes and prints. A finding is a kernel that answers differently on two instruction
-/// sets, or a precision that breaks its promise.
+/// sets, a precision that breaks its promise, or a wrong hit.
 pub fn bench(args: &BenchArgs) -> anyhow::Result<Verdict> {
     let isas = match &args.isa {
         None => Isa::available().collect(),
@@ -39,10 +40,15 @@ pub fn bench(args: &BenchArgs) -> anyhow::Result<Verdict> {
         );
     }
     check_writable(&args.out).context("--out")?;
+    ensure!(
+        matches!(args.what, Bench::Growth) || (args.max_rays, args.max_triangles) == (None, None),
+        "--max-rays and --max-triangles are for `bench growth`"
+    );
     match args.what {
         Bench::Kernels => kernels(args, isas),
         Bench::Ingredients => ingredients(args, isas),
         Bench::Throughput => throughput(args, isas),
+        Bench::Growth => growth(args),
     }
 }
 

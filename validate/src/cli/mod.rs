@@ -6,6 +6,7 @@ mod color;
 mod compare;
 mod engine;
 mod env;
+mod growth;
 mod hard;
 mod ingredients;
 mod knobs;

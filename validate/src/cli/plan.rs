@@ -109,6 +109,8 @@ pub struct Request<'a> {
 pub struct RunPlan {
     pub scenes: Vec<SceneJob>,
     pub repeats: u32,
+    /// Builds of Embree that are timed, medium quality among them.
+    pub qualities: &'static [Quality],
     /// How many random rays of a cell are judged.
     pub exact_all: u32,
     pub engine: Engine,
@@ -147,6 +149,7 @@ impl RunPlan {
             repeats: args
                 .repeats
                 .unwrap_or(if args.scenes.is_some() { 5 } else { 3 }),
+            qualities: &Quality::ALL,
             exact_all: args.exact_all,
             engine,
             mesh_folders,

@@ -1,14 +1,17 @@
-//! `dacrt plot`: time against errors as a scatter, a panel a ray type.
+//! `dacrt plot`: time against errors as a scatter, a panel a ray type; and growth ([`growth`]).
+
+mod growth;
 
 use super::Verdict;
 use super::args::{Plot, PlotArgs};
 use super::plan::check_writable;
 use super::text::{complain, counted, print};
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use dacrt::Precision;
 use dacrt_validate::accuracy::{Batch, Who, batches};
 use dacrt_validate::atomic;
 use dacrt_validate::embree::Mode;
+use dacrt_validate::growth as measured;
 use dacrt_validate::results::Document;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -16,8 +19,43 @@ use std::io::Write;
 
 /// Draws and writes.
 pub fn plot(args: &PlotArgs) -> anyhow::Result<Verdict> {
-    let Plot::Errors = args.what;
     check_writable(&args.out).context("--out")?;
+    let (svg, what) = match args.what {
+        Plot::Errors => errors(args)?,
+        Plot::Growth => growth_of(args)?,
+    };
+    let path = args.out.display();
+    atomic::write(&args.out, |file| file.write_all(svg.as_bytes()))
+        .with_context(|| format!("{path}: cannot be written"))?;
+    print(&format!("{path}: {what}\n"))?;
+    Ok(Verdict::Good)
+}
+
+/// Time against numbers, and how much that was.
+fn growth_of(args: &PlotArgs) -> anyhow::Result<(String, String)> {
+    let [file] = &args.files[..] else {
+        bail!("`plot growth` draws one file");
+    };
+    let document = measured::Document::read(file)?;
+    let points = document.curves.iter().flat_map(|curve| &curve.points);
+    let timed = points.filter(|point| point.ms.is_some()).count() as u64;
+    ensure!(timed > 0, "none of the points has times");
+    for left_out in &document.left_out {
+        complain(&format!(
+            "left out: {} triangles, {} rays: {}",
+            left_out.triangles, left_out.rays, left_out.why
+        ));
+    }
+    let what = format!(
+        "{}, {}",
+        counted(document.curves.len() as u64, "curve"),
+        counted(timed, "point")
+    );
+    Ok((growth::draw(&document.curves)?, what))
+}
+
+/// Time against errors, and how much that was.
+fn errors(args: &PlotArgs) -> anyhow::Result<(String, String)> {
     let documents: Vec<Document> = (args.files.iter())
         .map(|file| Document::read(file))
         .collect::<Result<_, _>>()?;
@@ -45,20 +83,13 @@ pub fn plot(args: &PlotArgs) -> anyhow::Result<Verdict> {
         "none of the cells has times"
     );
     let svg = draw(&panels)?;
-    let path = args.out.display();
-    atomic::write(&args.out, |file| file.write_all(svg.as_bytes()))
-        .with_context(|| format!("{path}: cannot be written"))?;
     let batches = match drawn {
         1 => "1 batch".to_owned(),
         n => format!("{n} batches"),
     };
     let points = panels.iter().flat_map(|panel| &panel.chains);
     let points = points.map(|chain| chain.points.len() as u64).sum();
-    print(&format!(
-        "{path}: {batches}, {}\n",
-        counted(points, "point")
-    ))?;
-    Ok(Verdict::Good)
+    Ok((svg, format!("{batches}, {}", counted(points, "point"))))
 }
 
 /// One ray type.
@@ -151,19 +182,25 @@ fn draw(panels: &[Panel]) -> anyhow::Result<String> {
         (across * PANEL.0).max(700) as u32,
         (TOP + down * PANEL.1) as u32,
     );
+    drawing(size, |root| {
+        legend(root)?;
+        let scales = Scales::of(panels);
+        for (panel, i) in panels.iter().zip(0..) {
+            let at = (i % across * PANEL.0, TOP + i / across * PANEL.1);
+            draw_panel(root, panel, at, &scales)?;
+        }
+        Ok(())
+    })
+}
+
+/// A picture of this size on white.
+fn drawing(size: (u32, u32), draw: impl FnOnce(&Area) -> Drawn) -> anyhow::Result<String> {
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        let drawn = (|| {
-            root.fill(&WHITE)?;
-            legend(&root)?;
-            let scales = Scales::of(panels);
-            for (panel, i) in panels.iter().zip(0..) {
-                let at = (i % across * PANEL.0, TOP + i / across * PANEL.1);
-                draw_panel(&root, panel, at, &scales)?;
-            }
-            root.present()
-        })();
+        let drawn = (root.fill(&WHITE))
+            .and_then(|()| draw(&root))
+            .and_then(|()| root.present());
         drawn.map_err(|error| anyhow!("cannot be drawn: {error}"))?;
     }
     Ok(svg)

@@ -16,6 +16,7 @@ use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt_validate::atomic;
 use dacrt_validate::diff::RANDOM_RAYS;
+use dacrt_validate::embree::Quality;
 use dacrt_validate::sweep::{Size, Sweep, SweepRun};
 use std::path::PathBuf;
 
@@ -84,6 +85,7 @@ fn plan(args: &SweepArgs) -> anyhow::Result<RunPlan> {
     Ok(RunPlan {
         scenes,
         repeats: args.repeats.repeats,
+        qualities: &Quality::ALL,
         exact_all: RANDOM_RAYS,
         engine,
         mesh_folders,

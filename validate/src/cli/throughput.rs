@@ -17,7 +17,7 @@ use dacrt::scene::Scene;
 use dacrt::workloads::Workload;
 use dacrt::{Batch, Isa, Mesh, Method, Precision, Tracer};
 use dacrt_validate::diff::{Checker, RANDOM_RAYS};
-use dacrt_validate::embree::{Committed, Device, Mode, Query};
+use dacrt_validate::embree::{Committed, Device, Mode, Quality, Query};
 use dacrt_validate::hash::{hit_hash, ray_hash};
 use dacrt_validate::judge::Judge;
 use dacrt_validate::machine::{Machine, Software};
@@ -82,7 +82,14 @@ pub fn throughput(args: &BenchArgs, isas: Vec<Isa>) -> anyhow::Result<Verdict> {
         let scene = Scene::load(&job.source.json, &mesh_folders)?;
         let bench = Bench {
             mesh: &scene.mesh,
-            reference: Reference::build(&device, &scene.mesh, 1, &[Mode::Fast], &progress)?,
+            reference: Reference::build(
+                &device,
+                &scene.mesh,
+                1,
+                &[Mode::Fast],
+                &Quality::ALL,
+                &progress,
+            )?,
             judge: Judge::new(&scene.mesh),
             engine,
             crews: &crews,
@@ -445,7 +452,7 @@ mod tests {
         let progress = Progress::new(&[]);
         let bench = Bench {
             mesh: &mesh,
-            reference: Reference::build(&device, &mesh, 1, &[], &progress).unwrap(),
+            reference: Reference::build(&device, &mesh, 1, &[], &[], &progress).unwrap(),
             judge: Judge::new(&mesh),
             engine: Engine {
                 isa: Isa::best(),

@@ -16,6 +16,7 @@ use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt::workloads::{Film, RayType};
 use dacrt_validate::diff::RANDOM_RAYS;
+use dacrt_validate::embree::Quality;
 use dacrt_validate::results::Document;
 use fig8::{Figure, Scene};
 use std::path::Path;
@@ -105,6 +106,7 @@ fn plan(args: &PaperArgs, film: Film, figure: &mut Figure) -> anyhow::Result<Run
     Ok(RunPlan {
         scenes,
         repeats: args.repeats.repeats,
+        qualities: &Quality::ALL,
         exact_all: RANDOM_RAYS,
         engine,
         mesh_folders,

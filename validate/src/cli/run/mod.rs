@@ -10,14 +10,14 @@ use super::args::RunArgs;
 use super::engine::{Engine, Workspaces};
 use super::plan::{Contestant, Round, RunPlan, SceneJob};
 use super::progress::Progress;
-use super::source::View;
+use super::source::{SceneSource, View};
 use super::table::Report;
 use super::text::print;
 use super::{Verdict, command_line};
 use anyhow::ensure;
 use cells::{Peer, enter_times};
 use contest::{Entrant, contest};
-use dacrt::scene::Scene;
+use dacrt::scene::load_meshes;
 use dacrt::workloads::{Film, RayType, Workload};
 use dacrt::{Batch, Mesh, Method, Parameters, SpaceParameters, Tracer};
 use dacrt_validate::diff::Checker;
@@ -112,17 +112,25 @@ pub fn execute(
             continue;
         }
         progress.step(&format!("{}: loading", job.source.name()));
-        let scene = Scene::load(&job.source.json, &plan.mesh_folders)?;
+        let SceneSource { json, description } = &job.source;
+        let mesh = load_meshes(json, description, &plan.mesh_folders)?;
         let is_timed = |mode: &Mode| missing.iter().any(|(round, _)| round.is_against(*mode));
         let timed: Vec<Mode> = Mode::ALL.into_iter().filter(is_timed).collect();
         let bench = Bench {
-            reference: Reference::build(&device, &scene.mesh, plan.repeats, &timed, progress)?,
+            reference: Reference::build(
+                &device,
+                &mesh,
+                plan.repeats,
+                &timed,
+                plan.qualities,
+                progress,
+            )?,
             peers: match plan.peers {
-                true => PeerTree::build_all(&scene.mesh, plan.repeats, progress),
+                true => PeerTree::build_all(&mesh, plan.repeats, progress),
                 false => Vec::new(),
             },
-            judge: Judge::new(&scene.mesh),
-            scene: &scene,
+            judge: Judge::new(&mesh),
+            mesh: &mesh,
             view: &job.view,
             plan,
             progress,
@@ -220,7 +228,7 @@ pub fn make_rays(workload: &mut Workload, ray_type: RayType, mesh: &Mesh) -> any
 
 /// One scene with all that its batches need.
 struct Bench<'a> {
-    scene: &'a Scene,
+    mesh: &'a Mesh,
     view: &'a View,
     plan: &'a RunPlan,
     reference: Reference,
@@ -234,7 +242,7 @@ impl Bench<'_> {
     fn workload(&self, film: Film) -> anyhow::Result<Workload<'_>> {
         let View { camera, light, .. } = *self.view;
         let seed = self.plan.engine.seed;
-        Ok(Workload::new(&self.scene.mesh, camera, film, light, seed)?)
+        Ok(Workload::new(self.mesh, camera, film, light, seed)?)
     }
 
     /// Makes the rays, checks the answers of every contestant, then measures those that are right.
@@ -249,7 +257,7 @@ impl Bench<'_> {
             self.progress
                 .step(&format!("{} {ray_type}: {what}", key.scene))
         };
-        let (mesh, any) = (&self.scene.mesh, ray_type.is_any_hit());
+        let (mesh, any) = (self.mesh, ray_type.is_any_hit());
 
         step("making rays");
         let batch = make_rays(workload, ray_type, mesh)?;
@@ -351,7 +359,7 @@ impl Bench<'_> {
         let peers = self.check_peers(batch, &entrants[0].answers, round.rays.is_any_hit());
         let trees: Vec<&PeerTree> = peers.iter().map(|peer| peer.built).collect();
         let times = contest(
-            &self.scene.mesh,
+            self.mesh,
             batch,
             entrants,
             workspaces,

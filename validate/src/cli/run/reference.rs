@@ -15,7 +15,7 @@ const WARM_UP_BUILDS: u32 = 2;
 
 /// One mesh in Embree: contestants, and a scene in each mode to be judged by.
 pub struct Reference {
-    /// Of each mode that is timed all qualities, in the order of [`Quality::ALL`].
+    /// Of each mode that is timed its qualities, in the order in which they were asked for.
     pub contestants: Vec<Built>,
     /// In the modes that are not timed.
     judges: Vec<(Mode, Scene)>,
@@ -31,12 +31,13 @@ pub struct Built {
 
 impl Reference {
     /// Builds each quality of the modes that are timed `repeats` times in turn, fewer times where
-    /// that takes long; of other modes one scene, which is not timed.
+    /// that takes long; of other modes one scene, which is not timed. Medium quality is among them.
     pub fn build(
         device: &Device,
         mesh: &Mesh,
         repeats: u32,
         timed: &[Mode],
+        qualities: &[Quality],
         progress: &Progress,
     ) -> anyhow::Result<Reference> {
         let build = |quality: Quality, mode| {
@@ -54,7 +55,7 @@ impl Reference {
             for _ in 0..WARM_UP_BUILDS {
                 build(Quality::Low, mode)?;
             }
-            for quality in Quality::ALL {
+            for &quality in qualities {
                 let scene = build(quality, mode)?;
                 contestants.push(Built {
                     mode,
