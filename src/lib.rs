@@ -62,6 +62,7 @@ mod kernels;
 mod methods;
 pub mod random;
 pub mod rays;
+mod room;
 pub mod scene;
 mod simd;
 pub mod workloads;
@@ -70,6 +71,7 @@ pub use geometry::{Aabb, Mesh, Triangle};
 pub use kernels::{PADDING, Sure, TriangleTest};
 pub use methods::*;
 pub use rays::{Batch, Hits, MISS, Ray};
+pub use room::room;
 pub use simd::{Isa, UnknownIsa};
 
 /// Compiles and runs the Rust of the README.

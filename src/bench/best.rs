@@ -6,7 +6,7 @@ use super::{Bench, Work, best, number, point};
 use crate::geometry::{Aabb, Mesh, Triangle};
 use crate::kernels::{
     BUCKETS, BinBox, BlockStreams, CHUNK, ENTRY, Entry, GROUP, Grid, Groups, Item, Kernels, List,
-    Ordered, Prepared, Rays, Source, Tmax, Window,
+    Ordered, Prepared, Rays, Source, Tmax, Window, place_keys,
 };
 use crate::methods::Precision;
 use crate::rays::active::ActiveRays;
@@ -285,7 +285,7 @@ struct InOrder {
 }
 
 /// Rays that are sorted together.
-const WINDOW: usize = 131_072;
+const WINDOW: usize = 1 << 20;
 
 pub(super) fn put_in_order(bytes: usize) -> Bench {
     // A ray is read and written; where it stood and its key are written.
@@ -320,13 +320,17 @@ impl Work for InOrder {
         for from in (0..len).step_by(WINDOW) {
             let range = from..len.min(from + WINDOW);
             let window = Window {
-                records: &mut self.records,
-                places: &mut self.places,
-                keys: &mut self.keys,
-                buckets: &mut self.buckets,
+                records: self.records.as_mut_ptr(),
+                places: self.places.as_mut_ptr(),
             };
-            // SAFETY: the processor is the caller's promise.
-            unsafe { (kernels.put_in_order)(&self.batch, range, false, &scene, window) };
+            let keys = &mut self.keys[..range.len()];
+            // SAFETY: the processor is the caller's promise; there is room for the window.
+            unsafe {
+                let (batch, next) = (&self.batch, &mut self.buckets);
+                (kernels.count_keys)(batch, range.clone(), false, &scene, keys, next);
+                place_keys(next);
+                (kernels.put_in_order)(batch, range, keys, next, window);
+            }
         }
         len
     }

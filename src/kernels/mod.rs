@@ -36,7 +36,7 @@ pub(crate) use groups::{ENTRY, Entry, GROUP, Groups, Ordered};
 pub(crate) use lists::{Listed, Side, TriangleLists};
 pub(crate) use one::OneRay;
 pub use one::{Sure, TriangleTest};
-pub(crate) use order::{BUCKETS, SortedRay, Window};
+pub(crate) use order::{BUCKETS, SortedRay, Window, place_keys};
 pub(crate) use overlap::Overlap;
 pub(crate) use records::{Directions, Done, RAYS_AHEAD, Range, RayRecords};
 pub(crate) use sample::{Candidate, Draw, SampleCounts, Samples, first_enters_left};

@@ -1,8 +1,10 @@
 //! Rays put in order: by octant of the direction, then by where they start, along a Morton curve.
 //!
-//! In one pass over a window of the batch each ray becomes a record of 32 bytes at its place. To gather
-//! the eight numbers of a ray from the streams of the batch by an index would touch eight cache lines a ray
-//! in place of one.
+//! A counting sort: one pass over a window of the batch finds the key of each ray, a second makes it a
+//! record of 32 bytes at its place. To gather the eight numbers of a ray from the streams of the batch by an
+//! index would touch eight cache lines a ray in place of one. Threads take a part of the window each.
+//!
+//! 32 cells an axis instead of 16 took 1.00 to 1.06 times as long, sort included.
 
 use super::block::{self, Source};
 use crate::geometry::Aabb;
@@ -19,36 +21,32 @@ const CELLS: usize = 16;
 pub(crate) const BUCKETS: usize = 8 * CELLS * CELLS * CELLS;
 
 /// Room for a window of the batch, in order.
-pub(crate) struct Window<'a> {
-    pub records: &'a mut [SortedRay],
+#[derive(Clone, Copy)]
+pub(crate) struct Window {
+    pub records: *mut SortedRay,
     /// Where each record's ray stands in the batch.
-    pub places: &'a mut [u32],
-    pub keys: &'a mut [u16],
-    /// [`BUCKETS`] of them.
-    pub buckets: &'a mut [u32],
+    pub places: *mut u32,
 }
 
-/// Puts rays `range` of the batch in order: by octant, then by origin within the scene (by direction if
-/// the origin is shared). Those of one cell keep their order.
+// SAFETY: each thread that puts rays in order has places of its own.
+unsafe impl Sync for Window {}
+
+/// Finds the places in the order of rays `range` of the batch, and counts those of each: by octant, then by
+/// origin within the scene (by direction if the origin is shared).
 ///
 /// # Safety
-/// The processor has `L`'s instruction set.
+/// The processor has `L`'s instruction set; there are [`BUCKETS`] counts.
 #[inline(always)]
-pub(crate) unsafe fn put_in_order<L: Lanes>(
+pub(crate) unsafe fn count_keys<L: Lanes>(
     batch: &Batch,
     range: Range<usize>,
     shared: bool,
     scene: &Aabb,
-    to: Window,
+    keys: &mut [u16],
+    counts: &mut [u32],
 ) {
-    let Window {
-        records,
-        places,
-        keys,
-        buckets,
-    } = to;
-    let keys = &mut keys[..range.len()];
-    buckets.fill(0);
+    assert!(keys.len() == range.len() && counts.len() == BUCKETS);
+    counts.fill(0);
     // SAFETY: as promised.
     unsafe {
         for (keys, at) in keys.chunks_mut(L::N).zip(range.clone().step_by(L::N)) {
@@ -71,13 +69,38 @@ pub(crate) unsafe fn put_in_order<L: Lanes>(
                     code |= SPREAD[at] << axis | sign << (12 + axis);
                 }
                 *key = code;
-                buckets[code as usize] += 1;
+                counts[code as usize] += 1;
             }
         }
-        let mut sum = 0;
-        for bucket in buckets.iter_mut() {
-            sum += std::mem::replace(bucket, sum);
+    }
+}
+
+/// Turns the counts of neighbouring parts of a window, [`BUCKETS`] each, into the first places of each.
+pub(crate) fn place_keys(counts: &mut [u32]) {
+    let mut sum = 0;
+    for key in 0..BUCKETS {
+        for count in counts.iter_mut().skip(key).step_by(BUCKETS) {
+            sum += std::mem::replace(count, sum);
         }
+    }
+}
+
+/// Puts rays `range` of the batch at their places in a window. Those of one cell keep their order.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; the keys are those of these rays, and `next` has the first
+/// place of each in the window, which nobody else looks at.
+#[inline(always)]
+pub(crate) unsafe fn put_in_order<L: Lanes>(
+    batch: &Batch,
+    range: Range<usize>,
+    keys: &[u16],
+    next: &mut [u32],
+    to: Window,
+) {
+    assert!(keys.len() == range.len());
+    // SAFETY: as promised.
+    unsafe {
         for (keys, at) in keys.chunks(L::N).zip(range.clone().step_by(L::N)) {
             let rays = block::load::<L>(&Source::Batch(batch), at, range.end - at);
             let mut rows = [[[0f32; 4]; MAX_LANES]; 2];
@@ -85,9 +108,9 @@ pub(crate) unsafe fn put_in_order<L: Lanes>(
             L::store4(rows[0].as_mut_ptr(), [ox, oy, oz, rays.tmin]);
             L::store4(rows[1].as_mut_ptr(), [dx, dy, dz, rays.tmax]);
             for (lane, &key) in keys.iter().enumerate() {
-                let place = &mut buckets[key as usize];
-                records[*place as usize] = [rows[0][lane], rows[1][lane]];
-                places[*place as usize] = (at + lane) as u32;
+                let place = &mut next[key as usize];
+                *to.records.add(*place as usize) = [rows[0][lane], rows[1][lane]];
+                *to.places.add(*place as usize) = (at + lane) as u32;
                 *place += 1;
             }
         }

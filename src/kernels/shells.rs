@@ -49,7 +49,8 @@ pub(crate) struct Kernels {
     pub filter_both: unsafe fn(&Rays, List, [&Aabb; 2], [usize; 2]) -> [usize; 2],
     pub count: unsafe fn(&Rays, List, &Aabb, usize) -> (usize, usize),
     pub naive: unsafe fn(&Rays, List, &[Triangle], &[Item]),
-    pub put_in_order: unsafe fn(&Batch, ops::Range<usize>, bool, &Aabb, Window),
+    pub count_keys: unsafe fn(&Batch, ops::Range<usize>, bool, &Aabb, &mut [u16], &mut [u32]),
+    pub put_in_order: unsafe fn(&Batch, ops::Range<usize>, &[u16], &mut [u32], Window),
     pub load_block: unsafe fn(&Source, ops::Range<usize>, &Rays, &BlockStreams) -> PreparedRays,
     pub bound_groups: unsafe fn(&Rays, &Groups, usize),
     pub filter_groups:
@@ -165,6 +166,7 @@ macro_rules! shells {
                 filter_both,
                 count,
                 naive,
+                count_keys,
                 put_in_order,
                 load_block,
                 bound_groups,
@@ -309,15 +311,28 @@ macro_rules! shells {
             }
 
             $(#[$feature])?
-            unsafe fn put_in_order(
+            unsafe fn count_keys(
                 batch: &Batch,
                 range: ops::Range<usize>,
                 shared: bool,
                 scene: &Aabb,
+                keys: &mut [u16],
+                counts: &mut [u32],
+            ) {
+                // SAFETY: as above.
+                unsafe { order::count_keys::<L>(batch, range, shared, scene, keys, counts) }
+            }
+
+            $(#[$feature])?
+            unsafe fn put_in_order(
+                batch: &Batch,
+                range: ops::Range<usize>,
+                keys: &[u16],
+                next: &mut [u32],
                 to: Window,
             ) {
                 // SAFETY: as above.
-                unsafe { order::put_in_order::<L>(batch, range, shared, scene, to) }
+                unsafe { order::put_in_order::<L>(batch, range, keys, next, to) }
             }
 
             $(#[$feature])?

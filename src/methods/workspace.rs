@@ -8,7 +8,8 @@ use super::{Parameters, best, object, space};
 /// Methods of one family share a workspace. [`Workspace::bytes`] is 104 a ray + 64 a triangle + a
 /// constant of about 0.72 MB where lists of triangles are split, and 55⅝ a ray + 44 a triangle +
 /// about 0.75 kB where space is split (exactly: see [`Workspace::bytes_for`]). That of `best` is 271 a
-/// triangle, and for each thread 257 a ray for up to 262,144 rays, and 0.75 MB.
+/// triangle, 38 a ray for up to 1,048,576 rays, and for each thread 219 a ray for up to 262,144 rays, and
+/// 0.75 MB.
 pub struct Workspace {
     memory: Memory,
     rays: usize,
@@ -99,8 +100,8 @@ impl Workspace {
     /// rays; 8 for 64 termination bits; and what it is for none.
     ///
     /// For `best`: 262 a triangle (64 of items, 80 of prepared triangles, 96 of nodes, 4 of cells and 18 of
-    /// clusters) and 9 for each thread; for each thread, too, what a window and a block take, each of as many
-    /// rays as there are, but at most 262,144: 257 a ray.
+    /// clusters) and 9 for each thread; a window of as many rays as there are, but at most 1,048,576: 38 a ray;
+    /// and for each thread a block of as many as there are, but at most 262,144: 219 a ray.
     pub fn bytes_for(
         parameters: &Parameters,
         rays: usize,

@@ -6,6 +6,7 @@
 //! first. There is room for 2n records and a constant; a list that might not fit is partitioned in
 //! place, so memory stays linear whatever the rays do.
 
+use crate::room;
 use crate::simd::MAX_LANES;
 
 /// Streams of floats or integers that a record is spread over.
@@ -62,7 +63,7 @@ impl ActiveRays {
     pub fn new(rays: usize) -> ActiveRays {
         let lines = Self::bytes(rays) / size_of::<Line>();
         ActiveRays {
-            lines: vec![Line([0.0; MAX_LANES]); lines],
+            lines: room(Line([0.0; MAX_LANES]), lines),
             rays,
         }
     }

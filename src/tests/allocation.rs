@@ -182,12 +182,14 @@ fn a_workspace_for_best_is_linear_in_triangles_and_in_the_rays_of_a_block() {
         );
     }
     for rays in [64, 6400, 1 << 18] {
-        assert!(
-            bytes(rays, 0, 1) - constant <= 257 * rays as i64 + 4000,
-            "{rays}"
-        );
+        let all = bytes(rays, 0, 1) - constant;
+        let thread = bytes(rays, 0, 3) - bytes(rays, 0, 2) - (bytes(0, 0, 3) - bytes(0, 0, 2));
+        assert!(thread <= 219 * rays as i64 + 4000, "{rays}");
+        assert!(all - thread <= 38 * rays as i64, "{rays}");
     }
-    assert_eq!(bytes(1 << 30, 7, 2), bytes(1 << 18, 7, 2));
+    let more = bytes(1 << 20, 0, 1) - bytes(1 << 18, 0, 1);
+    assert_eq!(more, 38 * ((1 << 20) - (1 << 18)));
+    assert_eq!(bytes(1 << 30, 7, 2), bytes(1 << 20, 7, 2));
 }
 
 #[test]

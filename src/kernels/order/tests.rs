@@ -19,14 +19,27 @@ fn ordered(
     };
     let mut records = vec![[[0.0; 4]; 2]; range.len()];
     let mut places = vec![u32::MAX; range.len()];
-    let window = Window {
-        records: &mut records,
-        places: &mut places,
-        keys: &mut vec![0; range.len()],
-        buckets: &mut vec![0; BUCKETS],
+    let to = Window {
+        records: records.as_mut_ptr(),
+        places: places.as_mut_ptr(),
     };
-    // SAFETY: the processor was checked.
-    unsafe { (Kernels::of(isa).put_in_order)(batch, range, shared, &scene, window) }
+    let kernels = Kernels::of(isa);
+    let mid = range.start + range.len() / 3;
+    let parts = [range.start..mid, mid..range.end];
+    let mut keys = parts.clone().map(|part| vec![0; part.len()]);
+    let mut counts = vec![1; 2 * BUCKETS];
+    let each = counts.chunks_mut(BUCKETS);
+    for ((part, keys), counts) in parts.iter().zip(&mut keys).zip(each) {
+        // SAFETY: the processor was checked.
+        unsafe { (kernels.count_keys)(batch, part.clone(), shared, &scene, keys, counts) }
+    }
+    place_keys(&mut counts);
+    // The parts in any order.
+    let each = counts.chunks_mut(BUCKETS);
+    for ((part, keys), next) in parts.into_iter().zip(&keys).zip(each).rev() {
+        // SAFETY: as above; there is room for the window.
+        unsafe { (kernels.put_in_order)(batch, part, keys, next, to) }
+    }
     (records, places)
 }
 

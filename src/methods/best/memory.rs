@@ -1,7 +1,7 @@
 //! The memory of a trace: what its threads share, and what each has for the block at hand.
 
 use super::clusters::Part;
-use super::parameters::MAX_BLOCK;
+use super::parameters::{MAX_BLOCK, MAX_WINDOW};
 use super::splits::Node;
 use crate::kernels::{
     BUCKETS, BinBox, Bins, ENTRY, Entry, GROUP, Groups, Item, MAX_BINS, Ordered, Prepared,
@@ -9,6 +9,7 @@ use crate::kernels::{
 };
 use crate::methods::Counters;
 use crate::rays::active::ActiveRays;
+use crate::room;
 use crate::simd::MAX_LANES;
 
 /// Streams of the directions and tmin of a block.
@@ -31,6 +32,12 @@ pub(in crate::methods) struct Memory {
     pub(super) ranges: Vec<[u32; 2]>,
     pub(super) nodes: Vec<Node>,
     pub(super) prepared: Vec<Prepared>,
+    /// A window of the batch, in order.
+    pub(super) records: Vec<SortedRay>,
+    pub(super) record_places: Vec<u32>,
+    pub(super) keys: Vec<u16>,
+    /// Rays of each key for each thread, and where they go.
+    pub(super) buckets: Vec<u32>,
     /// The triangles of each thread.
     pub(super) parts: Vec<Part>,
     pub(super) rooms: Vec<SplitRoom>,
@@ -39,11 +46,6 @@ pub(in crate::methods) struct Memory {
 
 /// The memory of one thread.
 pub(super) struct Worker {
-    /// A window of the batch, in order.
-    pub records: Vec<SortedRay>,
-    pub record_places: Vec<u32>,
-    pub keys: Vec<u16>,
-    pub buckets: Vec<u32>,
     /// The records of the block, then lists.
     pub active: ActiveRays,
     pub directions: Vec<[f32; 4]>,
@@ -87,15 +89,19 @@ fn block(rays: usize) -> usize {
 impl Memory {
     pub fn new(rays: usize, triangles: usize, threads: usize) -> Memory {
         Memory {
-            items: vec![Item::ZERO; triangles],
-            sorted: vec![Item::ZERO; triangles],
-            cells: vec![0; triangles],
-            clusters: vec![Item::ZERO; cells(triangles)],
-            cluster_scratch: vec![Item::ZERO; cells(triangles)],
-            ranges: vec![[0; 2]; cells(triangles)],
+            items: room(Item::ZERO, triangles),
+            sorted: room(Item::ZERO, triangles),
+            cells: room(0, triangles),
+            clusters: room(Item::ZERO, cells(triangles)),
+            cluster_scratch: room(Item::ZERO, cells(triangles)),
+            ranges: room([0; 2], cells(triangles)),
             nodes: Node::room(triangles),
-            prepared: vec![Prepared::ZERO; triangles],
-            parts: vec![Part::NONE; threads],
+            prepared: room(Prepared::ZERO, triangles),
+            records: room([[0.0; 4]; 2], rays.min(MAX_WINDOW)),
+            record_places: room(0, rays.min(MAX_WINDOW)),
+            keys: room(0, rays.min(MAX_WINDOW)),
+            buckets: room(0, threads * BUCKETS),
+            parts: room(Part::NONE, threads),
             rooms: (0..threads).map(|_| SplitRoom::new(triangles)).collect(),
             workers: (0..threads).map(|_| Worker::new(rays)).collect(),
         }
@@ -103,10 +109,13 @@ impl Memory {
 
     pub fn bytes(rays: usize, triangles: usize, threads: usize) -> usize {
         let items = 2 * triangles + 2 * cells(triangles);
+        let window = rays.min(MAX_WINDOW);
         items * size_of::<Item>()
+            + window * (size_of::<SortedRay>() + size_of::<u32>() + size_of::<u16>())
             + triangles * (size_of::<u32>() + size_of::<Prepared>())
             + cells(triangles) * size_of::<[u32; 2]>()
             + Node::most(triangles) * size_of::<Node>()
+            + threads * BUCKETS * size_of::<u32>()
             + threads * (size_of::<Part>() + SplitRoom::bytes(triangles) + Worker::bytes(rays))
     }
 }
@@ -114,8 +123,8 @@ impl Memory {
 impl SplitRoom {
     fn new(triangles: usize) -> SplitRoom {
         SplitRoom {
-            counts: vec![0; cells(triangles)],
-            boxes: vec![BinBox::EMPTY; cells(triangles)],
+            counts: room(0, cells(triangles)),
+            boxes: room(BinBox::EMPTY, cells(triangles)),
             bins: [Bins::EMPTY; 3],
             suffix: [BinBox::EMPTY; MAX_BINS],
         }
@@ -129,23 +138,18 @@ impl SplitRoom {
 impl Worker {
     fn new(rays: usize) -> Worker {
         let block = block(rays);
-        let room = block + MAX_LANES;
-        let window = rays.min(MAX_BLOCK);
+        let len = block + MAX_LANES;
         Worker {
-            records: vec![[[0.0; 4]; 2]; window],
-            record_places: vec![0; window],
-            keys: vec![0; window],
-            buckets: vec![0; BUCKETS],
             active: ActiveRays::new(2 * block),
-            directions: vec![[0.0; 4]; room],
-            ordered: vec![0.0; ORDERED * room],
-            t: vec![0.0; room],
-            tmax: vec![0.0; room],
-            prim: vec![0; room],
-            places: vec![0; room],
-            bounds: vec![0.0; BOUNDS * Self::bounds_len(block)],
-            entries: vec![Entry::ZERO; Self::entries(block)],
-            in_groups: vec![Entry::ZERO; Self::ray_entries(block)],
+            directions: room([0.0; 4], len),
+            ordered: room(0.0, ORDERED * len),
+            t: room(0.0, len),
+            tmax: room(0.0, len),
+            prim: room(0, len),
+            places: room(0, len),
+            bounds: room(0.0, BOUNDS * Self::bounds_len(block)),
+            entries: room(Entry::ZERO, Self::entries(block)),
+            in_groups: room(Entry::ZERO, Self::ray_entries(block)),
             counters: Counters::default(),
             invalid_rays: 0,
         }
@@ -153,13 +157,10 @@ impl Worker {
 
     fn bytes(rays: usize) -> usize {
         let block = block(rays);
-        let room = block + MAX_LANES;
-        let window = rays.min(MAX_BLOCK);
+        let len = block + MAX_LANES;
         size_of::<Worker>()
-            + window * (size_of::<SortedRay>() + size_of::<u32>() + size_of::<u16>())
-            + BUCKETS * size_of::<u32>()
             + ActiveRays::bytes(2 * block)
-            + room * (size_of::<[f32; 4]>() + (ORDERED + 4) * size_of::<f32>())
+            + len * (size_of::<[f32; 4]>() + (ORDERED + 4) * size_of::<f32>())
             + BOUNDS * Self::bounds_len(block) * size_of::<f32>()
             + (Self::entries(block) + Self::ray_entries(block)) * size_of::<Entry>()
     }

@@ -25,9 +25,9 @@ pub struct BestParameters {
     /// Rays that go through the splits together, where neighbours go the same way; 64 to 262,144.
     pub block: u32,
     /// Likewise, at least, of rays that were put in order; a quarter as many as there are triangles if that is
-    /// more, up to the window.
+    /// more, up to a thread's share of the window; 64 to 262,144.
     pub sorted_block: u32,
-    /// Rays that are put in order together, and dealt to threads; 64 to 262,144.
+    /// Rays that are put in order together; 64 to 1,048,576.
     pub window: u32,
     /// Which batches are put in order.
     pub sort: Sort,
@@ -49,19 +49,28 @@ pub(in crate::methods) const FIELDS: [&str; 6] = [
     "cell_triangles",
 ];
 
-/// The largest block and window.
+/// The largest block.
 pub(super) const MAX_BLOCK: usize = 1 << 18;
+/// The largest window.
+pub(super) const MAX_WINDOW: usize = 1 << 20;
 
 impl BestParameters {
     /// The preset.
     pub const BEST: BestParameters = BestParameters {
         block: 1 << 14,
-        sorted_block: 1 << 16,
-        window: 1 << 17,
+        sorted_block: 1 << 15,
+        window: 1 << 20,
         sort: Sort::Auto,
-        flush: 0.1,
+        flush: 0.2,
         cell_triangles: 8.0,
     };
+
+    /// Rays of a block, of so many that were put in order.
+    pub(super) fn size_of_sorted(&self, triangles: usize, rays: usize, threads: usize) -> usize {
+        let least = self.sorted_block as usize;
+        let most = MAX_BLOCK.min(rays.div_ceil(threads)).max(least);
+        (triangles / 4).next_power_of_two().clamp(least, most)
+    }
 
     /// Checks all ranges.
     ///
@@ -85,8 +94,8 @@ impl BestParameters {
             (
                 "window",
                 self.window as f64,
-                block(self.window),
-                "64 to 262144",
+                (64..=MAX_WINDOW).contains(&(self.window as usize)),
+                "64 to 1048576",
             ),
             (
                 "flush",

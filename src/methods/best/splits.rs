@@ -4,8 +4,9 @@ use super::clusters::{self, Sorted};
 use super::memory::SplitRoom;
 use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{
-    BinBox, Binning, CHUNK, Copies, Grid, Item, ItemList, Kernels, Prepared, Rays,
+    BinBox, Binning, Bins, CHUNK, Copies, Grid, Item, ItemList, Kernels, MAX_BINS, Prepared, Rays,
 };
+use crate::room::room_with;
 use std::marker::PhantomData;
 use std::slice;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -91,9 +92,7 @@ impl Node {
             weight: 0,
             of_clusters: false,
         };
-        (0..Node::most(triangles))
-            .map(|_| Node::new(Aabb::EMPTY, nothing, 0))
-            .collect()
+        room_with(|| Node::new(Aabb::EMPTY, nothing, 0), Node::most(triangles))
     }
 
     fn new(bounds: Aabb, part: Part, depth: u8) -> Node {
@@ -159,6 +158,7 @@ pub(super) struct Places<'a> {
 struct Cut {
     binning: Binning,
     last_left: usize,
+    cost: f32,
     left: Aabb,
     right: Aabb,
     /// Triangles on the left.
@@ -333,7 +333,7 @@ impl<'a> Splits<'a> {
         State::Leaf(first)
     }
 
-    /// Splits a node by the surface area heuristic, on the axis on which the centres are spread furthest.
+    /// Splits a node.
     fn split(&self, at: usize, rays: &Rays, room: &mut SplitRoom, binned: &mut u64) -> State {
         let node = self.node(at);
         let (bounds, depth, mut part) = (node.bounds, node.depth, node.part);
@@ -348,23 +348,14 @@ impl<'a> Splits<'a> {
         }
         // SAFETY: as above.
         let (items, scratch) = unsafe { self.items_of(part) };
-        // SAFETY: the processor was checked.
-        let extent = unsafe { (self.kernels.spread_of_centers)(items) };
-        let axis = (1..3).fold(0, |best, axis| match extent[axis] > extent[best] {
-            true => axis,
-            false => best,
-        });
-        let mut cut = None;
-        if extent[axis] > 0.0 && depth < MAX_DEPTH {
-            let bins = BINS.min(items.len().max(4) / 2);
-            let binning = Binning::new(&bounds, axis, bins);
-            *binned += items.len() as u64;
-            // SAFETY: as above.
-            unsafe { (self.kernels.bin)(items, &[binning], &mut room.bins) };
-            cut = least_cost(room, binning, part.weight);
-        }
+        let cut = match depth < MAX_DEPTH {
+            true => self.cut(items, &bounds, part, room, binned),
+            false => None,
+        };
+        let mut axis = 0;
         let (n, left, right, weight) = match cut {
             Some(cut) => {
+                axis = cut.binning.axis;
                 // SAFETY: as above.
                 let n = unsafe {
                     (self.kernels.partition)(items, scratch, &cut.binning, cut.last_left)
@@ -423,6 +414,46 @@ impl<'a> Splits<'a> {
         // SAFETY: the node is this thread's, and nobody else looks at its axis.
         unsafe { (*self.nodes.add(at)).axis = axis as u8 };
         State::Split(first)
+    }
+
+    /// Where to part items by the surface area heuristic: clusters on the best of three axes, triangles on
+    /// that on which their centres are spread furthest. Three axes for triangles, too, took 0.98 to 1.06
+    /// times as long.
+    fn cut(
+        &self,
+        items: &[Item],
+        bounds: &Aabb,
+        part: Part,
+        room: &mut SplitRoom,
+        binned: &mut u64,
+    ) -> Option<Cut> {
+        let bins = BINS.min(items.len().max(4) / 2);
+        let mut axes = [0, 1, 2].map(|axis| Binning::new(bounds, axis, bins));
+        let mut n = 3;
+        if !part.of_clusters {
+            // SAFETY: the processor was checked.
+            let extent = unsafe { (self.kernels.spread_of_centers)(items) };
+            let axis = (1..3).fold(0, |best, axis| match extent[axis] > extent[best] {
+                true => axis,
+                false => best,
+            });
+            (axes[0], n) = (axes[axis], (extent[axis] > 0.0) as usize);
+            if n == 0 {
+                return None;
+            }
+        }
+        *binned += items.len() as u64;
+        // SAFETY: as above.
+        unsafe { (self.kernels.bin)(items, &axes[..n], &mut room.bins) };
+        let mut best: Option<Cut> = None;
+        for (binning, bins) in axes[..n].iter().zip(&room.bins) {
+            if let Some(cut) = least_cost(bins, &mut room.suffix, *binning, part.weight)
+                && best.as_ref().is_none_or(|best| cut.cost < best.cost)
+            {
+                best = Some(cut);
+            }
+        }
+        best
     }
 
     /// Items of a cluster.
@@ -485,15 +516,19 @@ impl<'a> Splits<'a> {
 }
 
 /// The cut between bins with the least surface area heuristic; none if all items are in one bin.
-fn least_cost(room: &mut SplitRoom, binning: Binning, triangles: u32) -> Option<Cut> {
-    let (bins, suffix) = (&room.bins[0], &mut room.suffix);
+fn least_cost(
+    bins: &Bins,
+    suffix: &mut [BinBox; MAX_BINS],
+    binning: Binning,
+    triangles: u32,
+) -> Option<Cut> {
     let mut right = BinBox::EMPTY;
     for j in (1..binning.bins()).rev() {
         right = right.merged(&bins.boxes[j]);
         suffix[j] = right;
     }
     let mut left = BinBox::EMPTY;
-    let (mut best, mut least) = (None, f32::INFINITY);
+    let mut best: Option<Cut> = None;
     let mut weight = 0;
     for j in 0..binning.bins() - 1 {
         if bins.counts[j] == 0 {
@@ -506,11 +541,11 @@ fn least_cost(room: &mut SplitRoom, binning: Binning, triangles: u32) -> Option<
         }
         let (l, r) = (left.bounds(), suffix[j + 1].bounds());
         let cost = l.half_area() * weight as f32 + r.half_area() * (triangles - weight) as f32;
-        if best.is_none() || cost < least {
-            least = cost;
+        if best.as_ref().is_none_or(|best| cost < best.cost) {
             best = Some(Cut {
                 binning,
                 last_left: j,
+                cost,
                 left: l,
                 right: r,
                 weight,

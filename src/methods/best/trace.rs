@@ -8,12 +8,13 @@ use super::splits::{Places, Splits};
 use super::watched::Watched;
 use super::{BestParameters, Sort};
 use crate::geometry::Aabb;
-use crate::kernels::{BlockStreams, Rays, Source, Tmax, Window};
+use crate::kernels::{BUCKETS, BlockStreams, Rays, SortedRay, Source, Tmax, Window, place_keys};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
 use crate::methods::watch::Watch;
 use crate::rays::MISS;
 use crate::rays::active::ActiveRays;
+use crate::simd::MAX_LANES;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -93,21 +94,51 @@ pub(in crate::methods) fn trace(
             prepared: &mut memory.prepared,
         },
     );
-    let blocks = Blocks {
-        job,
-        parameters,
-        splits: &splits,
-        scene,
-        sorted,
-        out: Out::new(&mut answer),
-        next: AtomicUsize::new(0),
+    for worker in &mut *workers {
+        worker.counters = Counters::default();
+        worker.invalid_rays = 0;
+    }
+    let out = Out::new(&mut answer);
+    let window = match sorted {
+        true => parameters.window as usize,
+        false => n.max(1),
     };
-    let tasks = workers.iter_mut().zip(rooms);
-    match tasks.len() {
-        1 => tasks.for_each(|(worker, room)| blocks.trace(worker, room, watch.take())),
-        _ => each(threads, tasks, |(worker, room)| {
-            blocks.trace(worker, room, None)
-        }),
+    for from in (0..n).step_by(window) {
+        let range = from..n.min(from + window);
+        let mut blocks = Blocks {
+            job,
+            parameters,
+            splits: &splits,
+            scene,
+            source: Source::Batch(job.batch),
+            size: parameters.block as usize,
+            len: range.len(),
+            out: &out,
+            next: AtomicUsize::new(0),
+        };
+        if sorted {
+            let records = &mut memory.records[..range.len()];
+            let places = &mut memory.record_places[..range.len()];
+            let keys = &mut memory.keys[..range.len()];
+            let buckets = &mut memory.buckets[..threads * BUCKETS];
+            put_in_order(
+                job,
+                &scene,
+                range,
+                buckets,
+                keys,
+                (&mut *records, &mut *places),
+            );
+            blocks.source = Source::Records(records, places);
+            blocks.size = parameters.size_of_sorted(triangles, blocks.len, threads);
+        }
+        let tasks = workers.iter_mut().zip(&mut *rooms);
+        match tasks.len() {
+            1 => tasks.for_each(|(worker, room)| blocks.trace(worker, room, watch.as_deref_mut())),
+            _ => each(threads, tasks, |(worker, room)| {
+                blocks.trace(worker, room, None)
+            }),
+        }
     }
     if let Answer::Nearest(hits) = answer {
         let share = |i: usize| n * i / threads;
@@ -152,6 +183,41 @@ fn split_off<'a, T>(rest: &mut &'a mut [T], n: usize) -> &'a mut [T] {
     first
 }
 
+/// Puts a window of the batch in order, each thread a part of it; there are [`BUCKETS`] counts for each.
+fn put_in_order(
+    job: &Job,
+    scene: &Aabb,
+    window: Range<usize>,
+    buckets: &mut [u32],
+    keys: &mut [u16],
+    (records, places): (&mut [SortedRay], &mut [u32]),
+) {
+    let (kernels, batch) = (job.kernels, job.batch);
+    let threads = buckets.len() / BUCKETS;
+    let len = window.len().div_ceil(threads).next_multiple_of(MAX_LANES);
+    let from = |i: usize| window.end.min(window.start + i * len);
+    let part = |i: usize| from(i)..from(i + 1);
+    let shared = job.shared_origin.is_some();
+    let mut rest = &mut *keys;
+    let tasks = buckets.chunks_mut(BUCKETS).enumerate();
+    let tasks = tasks.map(|(i, counts)| (part(i), split_off(&mut rest, part(i).len()), counts));
+    each(threads, tasks, |(part, keys, counts)| {
+        // SAFETY: the processor was checked.
+        unsafe { (kernels.count_keys)(batch, part, shared, scene, keys, counts) }
+    });
+    place_keys(buckets);
+    let to = Window {
+        records: records.as_mut_ptr(),
+        places: places.as_mut_ptr(),
+    };
+    let tasks = buckets.chunks_mut(BUCKETS).enumerate();
+    each(threads, tasks, |(i, next)| {
+        let keys = &keys[part(i).start - window.start..][..part(i).len()];
+        // SAFETY: the processor was checked; each part has places of its own.
+        unsafe { (kernels.put_in_order)(batch, part(i), keys, next, to) }
+    });
+}
+
 /// Where answers go: each ray's is written by the one thread that has its block.
 struct Out {
     t: *mut f32,
@@ -184,14 +250,17 @@ impl Out {
     }
 }
 
-/// Rays that are dealt to threads: a block at a time, or a window if they are put in order.
+/// Rays that are dealt to threads, a block at a time.
 struct Blocks<'a> {
     job: &'a Job<'a>,
     parameters: &'a BestParameters,
     splits: &'a Splits<'a>,
     scene: Aabb,
-    sorted: bool,
-    out: Out,
+    source: Source<'a>,
+    /// How many there are in the source, and in a block.
+    len: usize,
+    size: usize,
+    out: &'a Out,
     /// The first ray that nobody has taken.
     next: AtomicUsize,
 }
@@ -199,60 +268,21 @@ struct Blocks<'a> {
 impl Blocks<'_> {
     /// Traces rays until there are none left.
     fn trace(&self, worker: &mut Worker, room: &mut SplitRoom, mut watch: Option<&mut Watch>) {
-        let n = self.job.batch.len();
-        let BestParameters {
-            block,
-            sorted_block,
-            window,
-            ..
-        } = *self.parameters;
-        let size = if self.sorted { window } else { block } as usize;
-        let triangles = self.splits.node(0).weight();
-        let sorted_block = (triangles / 4)
-            .next_power_of_two()
-            .max(sorted_block as usize);
-        worker.counters = Counters::default();
-        worker.invalid_rays = 0;
         loop {
-            let from = self.next.fetch_add(size, Ordering::Relaxed);
-            if from >= n {
+            let from = self.next.fetch_add(self.size, Ordering::Relaxed);
+            if from >= self.len {
                 return;
             }
-            let range = from..n.min(from + size);
-            let mut source = Source::Batch(self.job.batch);
-            if !self.sorted {
-                self.trace_block(worker, room, &source, range, watch.as_deref_mut());
-                continue;
-            }
-            // Taken out of the worker while its other memory is in use.
-            let mut records = std::mem::take(&mut worker.records);
-            let mut places = std::mem::take(&mut worker.record_places);
-            let window = Window {
-                records: &mut records,
-                places: &mut places,
-                keys: &mut worker.keys,
-                buckets: &mut worker.buckets,
-            };
-            let (kernels, shared) = (self.job.kernels, self.job.shared_origin.is_some());
-            // SAFETY: the processor was checked.
-            unsafe {
-                (kernels.put_in_order)(self.job.batch, range.clone(), shared, &self.scene, window);
-            }
-            source = Source::Records(&records[..range.len()], &places[..range.len()]);
-            for from in (0..range.len()).step_by(sorted_block) {
-                let block = from..range.len().min(from + sorted_block);
-                self.trace_block(worker, room, &source, block, watch.as_deref_mut());
-            }
-            (worker.records, worker.record_places) = (records, places);
+            let range = from..self.len.min(from + self.size);
+            self.trace_block(worker, room, range, watch.as_deref_mut());
         }
     }
 
-    /// Traces some rays of a source.
+    /// Traces some rays of the source.
     fn trace_block(
         &self,
         worker: &mut Worker,
         room: &mut SplitRoom,
-        from: &Source,
         range: Range<usize>,
         watch: Option<&mut Watch>,
     ) {
@@ -284,7 +314,8 @@ impl Blocks<'_> {
             scene: self.scene,
         };
         // SAFETY: the processor was checked; the memory has room for the block.
-        let prepared = unsafe { (kernels.load_block)(from, range.clone(), &rays, &streams) };
+        let prepared =
+            unsafe { (kernels.load_block)(&self.source, range.clone(), &rays, &streams) };
         rays.special = prepared.special;
         rays.least_tmin = prepared.least_tmin;
         rays.tmax.one = prepared.one_tmax;
@@ -315,16 +346,16 @@ impl Blocks<'_> {
             divide.start(prepared.valid);
         }
         // SAFETY: the memory is the worker's own.
-        unsafe { self.write(&rays, from, range, places) }
+        unsafe { self.write(&rays, range, places) }
     }
 
-    /// Writes the answers of rays of a source, of which the valid ones have these places in the batch.
+    /// Writes the answers of rays of the source, of which the valid ones have these places in the batch.
     ///
     /// # Safety
     /// The best hits in `rays` are there for each of them.
-    unsafe fn write(&self, rays: &Rays, from: &Source, range: Range<usize>, places: &[u32]) {
+    unsafe fn write(&self, rays: &Rays, range: Range<usize>, places: &[u32]) {
         let all_valid = places.len() == range.len();
-        let place = |i: usize| match from {
+        let place = |i: usize| match &self.source {
             Source::Batch(_) => i,
             Source::Records(_, places) => places[i] as usize,
         };

@@ -3,6 +3,7 @@
 use super::split::Candidates;
 use crate::kernels::{Item, Samples};
 use crate::rays::active::ActiveRays;
+use crate::room;
 
 /// Memory for traces of up to a number of rays and triangles.
 pub(in crate::methods) struct Memory {
@@ -21,10 +22,10 @@ impl Memory {
     pub fn new(rays: usize, triangles: usize) -> Memory {
         Memory {
             active: ActiveRays::new(rays),
-            directions: vec![[0.0; 4]; rays],
-            t: vec![0.0; rays],
-            items: vec![Item::ZERO; triangles],
-            item_scratch: vec![Item::ZERO; triangles],
+            directions: room([0.0; 4], rays),
+            t: room(0.0, rays),
+            items: room(Item::ZERO, triangles),
+            item_scratch: room(Item::ZERO, triangles),
             candidates: Candidates::boxed(),
             samples: Samples::boxed(),
         }

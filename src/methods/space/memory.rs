@@ -3,6 +3,7 @@
 use crate::geometry::Aabb;
 use crate::kernels::{Cones, LEAST_PACKET, RAYS_AHEAD, RayRecords, Tmax, TriangleLists};
 use crate::methods::job::Job;
+use crate::room;
 use crate::simd::MAX_LANES;
 
 /// Two records in one cache line.
@@ -33,19 +34,19 @@ fn most_cones(rays: usize) -> usize {
 
 impl Memory {
     pub fn new(rays: usize, triangles: usize) -> Memory {
-        let spans = || vec![[0.0; 2]; triangles];
+        let spans = || room([0.0; 2], triangles);
         let cones = most_cones(rays);
         Memory {
             spans: [spans(), spans(), spans()],
-            rest: vec![[0.0; 4]; triangles],
-            triangle_ids: vec![0; triangles + MAX_LANES],
-            slabs: vec![Pair([[0.0; 4]; 2]); rays],
-            directions: vec![[0.0; 4]; rays],
-            ray_ids: vec![0; rays + RAYS_AHEAD],
-            cones: vec![[0.0; 4]; cones],
-            cone_rays: vec![[0; 2]; cones],
-            cone_ids: vec![0; cones + MAX_LANES],
-            done: vec![0; rays / 64 + 2],
+            rest: room([0.0; 4], triangles),
+            triangle_ids: room(0, triangles + MAX_LANES),
+            slabs: room(Pair([[0.0; 4]; 2]), rays),
+            directions: room([0.0; 4], rays),
+            ray_ids: room(0, rays + RAYS_AHEAD),
+            cones: room([0.0; 4], cones),
+            cone_rays: room([0; 2], cones),
+            cone_ids: room(0, cones + MAX_LANES),
+            done: room(0, rays / 64 + 2),
         }
     }
 
