@@ -69,6 +69,8 @@ pub struct LeftOut {
     pub triangles: usize,
     /// Primary rays that it would have had.
     pub rays: usize,
+    /// Names of the curves.
+    pub contestants: Vec<String>,
     /// `memory` or `time`, with what it would have taken and the limit.
     pub why: String,
 }
@@ -192,6 +194,9 @@ impl Curve {
                 .filter(of_batch)
                 .find_map(|c| c.embree.as_ref());
             for (name, quality) in EMBREE {
+                if times.is_some_and(|times| !times.samples_ms.contains_key(quality)) {
+                    continue;
+                }
                 add(name, of_embree(&point, times, quality));
             }
         }

@@ -11,6 +11,7 @@ use crate::methods::Counters;
 use crate::rays::active::ActiveRays;
 use crate::room;
 use crate::simd::MAX_LANES;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Streams of the directions and tmin of a block.
 const ORDERED: usize = 4;
@@ -42,6 +43,8 @@ pub(in crate::methods) struct Memory {
     pub(super) parts: Vec<Part>,
     pub(super) rooms: Vec<SplitRoom>,
     pub(super) workers: Vec<Worker>,
+    /// The threads, if there are more than one; started beforehand.
+    pub(super) pool: Option<ThreadPool>,
 }
 
 /// The memory of one thread.
@@ -104,6 +107,10 @@ impl Memory {
             parts: room(Part::NONE, threads),
             rooms: (0..threads).map(|_| SplitRoom::new(triangles)).collect(),
             workers: (0..threads).map(|_| Worker::new(rays)).collect(),
+            pool: (threads > 1).then(|| {
+                let pool = ThreadPoolBuilder::new().num_threads(threads);
+                pool.build().expect("threads can be started")
+            }),
         }
     }
 

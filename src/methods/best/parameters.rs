@@ -1,5 +1,6 @@
 //! Parameters of `best`, and its preset.
 
+use crate::kernels::GROUP;
 use crate::methods::BadParameter;
 use crate::methods::parameters::first_bad;
 use serde::{Deserialize, Serialize};
@@ -22,10 +23,11 @@ pub enum Sort {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BestParameters {
-    /// Rays that go through the splits together, where neighbours go the same way; 64 to 262,144.
+    /// Rays that go through the splits together, where neighbours go the same way; 64 to 262,144, fewer if
+    /// that leaves threads without any.
     pub block: u32,
     /// Likewise, at least, of rays that were put in order; a quarter as many as there are triangles if that is
-    /// more, up to a thread's share of the window; 64 to 262,144.
+    /// more; 64 to 262,144.
     pub sorted_block: u32,
     /// Rays that are put in order together; 64 to 1,048,576.
     pub window: u32,
@@ -65,11 +67,15 @@ impl BestParameters {
         cell_triangles: 8.0,
     };
 
-    /// Rays of a block, of so many that were put in order.
-    pub(super) fn size_of_sorted(&self, triangles: usize, rays: usize, threads: usize) -> usize {
-        let least = self.sorted_block as usize;
-        let most = MAX_BLOCK.min(rays.div_ceil(threads)).max(least);
-        (triangles / 4).next_power_of_two().clamp(least, most)
+    /// Rays of a block, where each thread has so many, put in order or not.
+    pub(super) fn size_of_block(&self, triangles: usize, each: usize, sorted: bool) -> usize {
+        let size = match sorted {
+            false => self.block as usize,
+            true => (triangles / 4)
+                .next_power_of_two()
+                .max(self.sorted_block as usize),
+        };
+        size.min(each.next_multiple_of(GROUP)).min(MAX_BLOCK)
     }
 
     /// Checks all ranges.

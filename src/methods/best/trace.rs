@@ -15,6 +15,7 @@ use crate::methods::watch::Watch;
 use crate::rays::MISS;
 use crate::rays::active::ActiveRays;
 use crate::simd::MAX_LANES;
+use rayon::ThreadPool;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -34,6 +35,7 @@ pub(in crate::methods) fn trace(
         Some(_) => 1,
         None => threads,
     };
+    let pool = memory.pool.as_ref().filter(|_| threads > 1);
     let workers = &mut memory.workers[..threads];
     let parts = &mut memory.parts[..threads];
     let share = |i: usize| mesh.len() * i / threads;
@@ -43,7 +45,7 @@ pub(in crate::methods) fn trace(
         let items = split_off(&mut rest, share(i + 1) - share(i));
         (part, share(i), items)
     });
-    each(threads, tasks, |(part, from, items)| {
+    each(pool, tasks, |(part, from, items)| {
         *part = clusters::prepare(kernels, mesh, from, items);
     });
 
@@ -62,14 +64,14 @@ pub(in crate::methods) fn trace(
         let cells = split_off(&mut cells, share(i + 1) - share(i));
         (room, part, cells)
     });
-    each(threads, tasks, |(room, part, cells)| {
+    each(pool, tasks, |(room, part, cells)| {
         room.count(kernels, &grid, &items[part.range()], cells);
     });
     let clusters = clusters::place(&grid, rooms, 0, &mut memory.ranges);
     let places = Sorted(memory.sorted.as_mut_ptr());
     let cells = &memory.cells;
     let tasks = rooms.iter_mut().zip(&*parts).enumerate();
-    each(threads, tasks, |(i, (room, part))| {
+    each(pool, tasks, |(i, (room, part))| {
         let cells = &cells[share(i)..];
         // SAFETY: there are as many places as items.
         unsafe { clusters::scatter(kernels, &items[part.range()], cells, room, &places) };
@@ -111,7 +113,7 @@ pub(in crate::methods) fn trace(
             splits: &splits,
             scene,
             source: Source::Batch(job.batch),
-            size: parameters.block as usize,
+            size: parameters.size_of_block(triangles, range.len().div_ceil(threads), sorted),
             len: range.len(),
             out: &out,
             next: AtomicUsize::new(0),
@@ -123,6 +125,7 @@ pub(in crate::methods) fn trace(
             let buckets = &mut memory.buckets[..threads * BUCKETS];
             put_in_order(
                 job,
+                pool,
                 &scene,
                 range,
                 buckets,
@@ -130,12 +133,11 @@ pub(in crate::methods) fn trace(
                 (&mut *records, &mut *places),
             );
             blocks.source = Source::Records(records, places);
-            blocks.size = parameters.size_of_sorted(triangles, blocks.len, threads);
         }
         let tasks = workers.iter_mut().zip(&mut *rooms);
-        match tasks.len() {
+        match threads {
             1 => tasks.for_each(|(worker, room)| blocks.trace(worker, room, watch.as_deref_mut())),
-            _ => each(threads, tasks, |(worker, room)| {
+            _ => each(pool, tasks, |(worker, room)| {
                 blocks.trace(worker, room, None)
             }),
         }
@@ -147,7 +149,7 @@ pub(in crate::methods) fn trace(
             let len = share(i + 1) - share(i);
             (share(i), split_off(&mut prim, len), split_off(&mut t, len))
         });
-        each(threads, tasks, |(from, prim, t)| job.round(from, prim, t));
+        each(pool, tasks, |(from, prim, t)| job.round(from, prim, t));
     }
     let mut counters = Counters::default();
     let mut invalid_rays = 0;
@@ -163,15 +165,19 @@ pub(in crate::methods) fn trace(
     }
 }
 
-/// Does tasks, each on a thread of its own if there are more than one.
-fn each<T: Send>(threads: usize, tasks: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
-    if threads == 1 {
+/// Does tasks, side by side if there are threads for that.
+fn each<T: Send>(
+    pool: Option<&ThreadPool>,
+    tasks: impl Iterator<Item = T> + Send,
+    work: impl Fn(T) + Sync,
+) {
+    let Some(pool) = pool else {
         return tasks.for_each(work);
-    }
+    };
     let work = &work;
-    std::thread::scope(|scope| {
+    pool.scope(|scope| {
         for task in tasks {
-            scope.spawn(move || work(task));
+            scope.spawn(move |_| work(task));
         }
     });
 }
@@ -186,6 +192,7 @@ fn split_off<'a, T>(rest: &mut &'a mut [T], n: usize) -> &'a mut [T] {
 /// Puts a window of the batch in order, each thread a part of it; there are [`BUCKETS`] counts for each.
 fn put_in_order(
     job: &Job,
+    pool: Option<&ThreadPool>,
     scene: &Aabb,
     window: Range<usize>,
     buckets: &mut [u32],
@@ -201,7 +208,7 @@ fn put_in_order(
     let mut rest = &mut *keys;
     let tasks = buckets.chunks_mut(BUCKETS).enumerate();
     let tasks = tasks.map(|(i, counts)| (part(i), split_off(&mut rest, part(i).len()), counts));
-    each(threads, tasks, |(part, keys, counts)| {
+    each(pool, tasks, |(part, keys, counts)| {
         // SAFETY: the processor was checked.
         unsafe { (kernels.count_keys)(batch, part, shared, scene, keys, counts) }
     });
@@ -211,7 +218,7 @@ fn put_in_order(
         places: places.as_mut_ptr(),
     };
     let tasks = buckets.chunks_mut(BUCKETS).enumerate();
-    each(threads, tasks, |(i, next)| {
+    each(pool, tasks, |(i, next)| {
         let keys = &keys[part(i).start - window.start..][..part(i).len()];
         // SAFETY: the processor was checked; each part has places of its own.
         unsafe { (kernels.put_in_order)(batch, part(i), keys, next, to) }

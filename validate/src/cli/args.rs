@@ -499,8 +499,9 @@ growth   Time of best, afra2012, nabata2013 and Embree (low and medium build) ag
          a million rays), in steps of half a decade: primary and diffuse-1 rays of the generated
          scene hall, square pictures, one thread. Every hit is checked as by `dacrt run`, and there
          is no time without right hits; if some are wrong, the exit code is 1. A point that would
-         take more than 80 % of the free memory, or more than 30 minutes by the time of the one
-         before it, is left out; the file and the last lines say so. --repeats 3 is enough; an hour
+         take more than 30 minutes by the time of the one before it is left out, and so is one that
+         would take more than 80 % of the free memory; where best and one build of Embree fit,
+         they alone are measured. The file and the last lines say so. --repeats 3 is enough; an hour
          or so.
 
 In its table and its file: `exponent` is p if time went with the p-th power of the number from one

@@ -14,7 +14,7 @@ use dacrt::workloads::{Film, RayType};
 use dacrt::{Isa, Method, Precision, Workspace};
 use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::embree::{Device, Quality};
-use dacrt_validate::growth::{Curve, Document, Grows, KIND, LeftOut, Point, half_decades};
+use dacrt_validate::growth::{Curve, Document, EMBREE, Grows, KIND, LeftOut, Point, half_decades};
 use dacrt_validate::machine::{Machine, Software, available_memory};
 use dacrt_validate::results::Cell;
 use std::path::Path;
@@ -26,20 +26,37 @@ const TRIANGLES: usize = 200_000;
 /// Primary rays where they do not grow.
 const RAYS: usize = 1_000_000;
 const RAY_TYPES: [RayType; 2] = [RayType::Primary, RayType::Diffuse(1)];
-const METHODS: [Method; 3] = [Method::Best, Method::Afra2012, Method::Nabata2013];
-/// The slowest build of Embree is left out: it takes the most time and memory of all.
-const QUALITIES: &[Quality] = &[Quality::Low, Quality::Medium];
 const SEED: u64 = 1;
 
 /// Seconds that a point may take.
 const SECONDS: f64 = 1800.0;
 /// Share of the free memory that a point may take.
 const SHARE: f64 = 0.8;
-/// Bytes of a triangle but for workspaces: the mesh, three scenes of Embree and what builds the last of
-/// them, the arbiter's tree. Measured: 400.
-const BYTES_A_TRIANGLE: usize = 500;
+/// Bytes of a triangle but for workspaces and Embree: the mesh and the arbiter's tree.
+const BYTES_A_TRIANGLE: usize = 60;
+/// Bytes of a triangle in a scene of Embree.
+const BYTES_OF_EMBREE: usize = 145;
 /// Bytes of a ray but for workspaces: the batch and the one before it, answers, Embree's structures.
 const BYTES_A_RAY: usize = 400;
+
+/// Those who are measured at a point.
+struct Field {
+    methods: &'static [Method],
+    /// Builds of Embree. The slowest is never among them: it takes the most time and memory of all.
+    qualities: &'static [Quality],
+}
+
+/// All, and what is left where they would not fit into memory together.
+const FIELDS: [Field; 2] = [
+    Field {
+        methods: &[Method::Best, Method::Afra2012, Method::Nabata2013],
+        qualities: &[Quality::Low, Quality::Medium],
+    },
+    Field {
+        methods: &[Method::Best],
+        qualities: &[Quality::Medium],
+    },
+];
 
 /// Measures, writes and prints. A finding is a wrong hit.
 pub fn growth(args: &BenchArgs) -> anyhow::Result<Verdict> {
@@ -72,7 +89,7 @@ pub fn growth(args: &BenchArgs) -> anyhow::Result<Verdict> {
     let path = args.out.display();
     let mut work = Vec::new();
     for step in &steps {
-        work.extend(step.rounds()?.iter().map(Round::work));
+        work.extend(step.rounds(&FIELDS[0])?.iter().map(Round::work));
     }
     let progress = Progress::new(&work);
     for of_curve in steps.chunk_by(|a, b| a.grows == b.grows) {
@@ -81,23 +98,32 @@ pub fn growth(args: &BenchArgs) -> anyhow::Result<Verdict> {
         // How big the point before was, and the seconds that it took.
         let mut before = None;
         for step in of_curve {
-            if let Some(why) = step.too_big(before, growth.document.memory_limit_bytes) {
-                progress.warn(&format!("{}: left out: {why}", step.name()));
+            let limit = growth.document.memory_limit_bytes;
+            let too_long = step.too_long(before);
+            let fits = |field: &&Field| step.too_big(field, limit).is_none();
+            let field = (FIELDS.iter().find(fits)).filter(|_| too_long.is_none());
+            if let Some(why) = too_long.or(step.too_big(&FIELDS[0], limit)) {
+                let contestants = left_out_of(field);
+                let who = contestants.join(", ");
+                progress.warn(&format!("{}: left out: {who}: {why}", step.name()));
                 growth.document.left_out.push(LeftOut {
                     grows: step.grows,
                     triangles: step.triangles,
                     rays: step.film.rays(),
+                    contestants,
                     why,
                 });
-                for round in step.rounds()? {
-                    progress.skip(round.work());
-                }
-            } else {
+            }
+            if let Some(field) = field {
                 let start = Instant::now();
-                cells.extend(growth.measure(step, &progress)?);
+                cells.extend(growth.measure(step, field, &progress)?);
                 before = Some((step.number(), start.elapsed().as_secs_f64()));
                 growth.document.curves.truncate(done);
                 (growth.document.curves).extend(Curve::of(step.grows, &cells));
+            } else {
+                for round in step.rounds(&FIELDS[0])? {
+                    progress.skip(round.work());
+                }
             }
             // A run that is stopped leaves the points that it had.
             (growth.document.write(&args.out))
@@ -172,37 +198,42 @@ impl Step {
         }
     }
 
-    fn rounds(&self) -> anyhow::Result<Vec<Round>> {
+    fn rounds(&self, field: &Field) -> anyhow::Result<Vec<Round>> {
         let of = |rays| {
             Ok(Round {
                 film: self.film,
                 rays,
-                contestants: contestants(&METHODS, &[Precision::Fast], &Default::default())?,
+                contestants: contestants(field.methods, &[Precision::Fast], &Default::default())?,
             })
         };
         RAY_TYPES.into_iter().map(of).collect()
     }
 
     /// Bytes that it takes, about.
-    fn bytes(&self) -> u64 {
+    fn bytes(&self, field: &Field) -> u64 {
         let (rays, triangles) = (self.film.rays(), self.triangles);
         // The two methods that split lists of triangles have one workspace.
         let workspaces: usize = [Method::Best, Method::Afra2012]
-            .map(|method| Workspace::bytes_for(&method.parameters(), rays, triangles, 1))
             .iter()
+            .filter(|method| field.methods.contains(method))
+            .map(|method| Workspace::bytes_for(&method.parameters(), rays, triangles, 1))
             .sum();
-        (workspaces + triangles * BYTES_A_TRIANGLE + rays * BYTES_A_RAY) as u64
+        // Hits are judged by one scene more.
+        let scenes = field.qualities.len() + 1;
+        let bytes = BYTES_A_TRIANGLE + scenes * BYTES_OF_EMBREE;
+        (workspaces + triangles * bytes + rays * BYTES_A_RAY) as u64
     }
 
-    /// Why it cannot be measured, if so, given the number and the seconds of the point before.
-    fn too_big(&self, before: Option<(usize, f64)>, limit: u64) -> Option<String> {
-        let bytes = self.bytes();
-        if bytes > limit {
-            let [bytes, limit] = [bytes, limit].map(|b| b as f64 / (1u64 << 30) as f64);
-            return Some(format!(
-                "memory: it would take about {bytes:.1} GiB, and may take {limit:.1}"
-            ));
-        }
+    /// Why there is no room to measure it, if so.
+    fn too_big(&self, field: &Field, limit: u64) -> Option<String> {
+        let bytes = self.bytes(field);
+        let [gib, most] = [bytes, limit].map(|b| b as f64 / (1u64 << 30) as f64);
+        (bytes > limit)
+            .then(|| format!("memory: all would take about {gib:.1} GiB, and may take {most:.1}"))
+    }
+
+    /// Why there is no time to measure it, if so, given the number and the seconds of the point before.
+    fn too_long(&self, before: Option<(usize, f64)>) -> Option<String> {
         let (n, seconds) = before?;
         let seconds = seconds * self.number() as f64 / n as f64;
         (seconds > SECONDS)
@@ -219,14 +250,19 @@ struct Growth {
 
 impl Growth {
     /// Measures and checks a point as `dacrt run` does; adds its cells to the document, and returns them.
-    fn measure(&mut self, step: &Step, progress: &Progress) -> anyhow::Result<Vec<Cell>> {
+    fn measure(
+        &mut self,
+        step: &Step,
+        field: &Field,
+        progress: &Progress,
+    ) -> anyhow::Result<Vec<Cell>> {
         // The file of a run, which is not kept.
         let folder = tempfile::tempdir().context("no temporary folder")?;
         let plan = RunPlan {
-            scenes: vec![scene(step)?],
+            scenes: vec![scene(step, field)?],
             repeats: self.repeats,
             exact_all: RANDOM_RAYS,
-            qualities: QUALITIES,
+            qualities: field.qualities,
             engine: Engine {
                 isa: self.isa,
                 seed: SEED,
@@ -247,7 +283,7 @@ impl Growth {
 }
 
 /// The scene with another number of triangles; there is no file of it.
-fn scene(step: &Step) -> anyhow::Result<SceneJob> {
+fn scene(step: &Step, field: &Field) -> anyhow::Result<SceneJob> {
     let mut source = SceneSource::find(SCENE)?;
     source.json = Path::new(&format!("{SCENE}-{}", step.triangles)).into();
     for mesh in &mut source.description.meshes {
@@ -258,8 +294,22 @@ fn scene(step: &Step) -> anyhow::Result<SceneJob> {
     Ok(SceneJob {
         view: source.view()?,
         source,
-        rounds: step.rounds()?,
+        rounds: step.rounds(field)?,
     })
+}
+
+/// Names of those who are not in a field, or of all.
+fn left_out_of(field: Option<&Field>) -> Vec<String> {
+    let is_in = |method: &Method| field.is_some_and(|field| field.methods.contains(method));
+    let methods = FIELDS[0].methods.iter().filter(|method| !is_in(method));
+    let built = |quality: &str| {
+        field.is_some_and(|field| field.qualities.iter().any(|q| q.name() == quality))
+    };
+    let embree = EMBREE.iter().filter(|(_, quality)| !built(quality));
+    (methods.map(|method| method.name()))
+        .chain(embree.map(|(name, _)| *name))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// The table for people: a line for each curve.
@@ -298,12 +348,14 @@ fn text(document: &Document) -> String {
     for LeftOut {
         triangles,
         rays,
+        contestants,
         why,
         ..
     } in &document.left_out
     {
         let [triangles, rays] = [*triangles, *rays].map(|n| thousands(n as u64));
-        text += &format!("left out: {triangles} triangles, {rays} rays: {why}\n");
+        let who = contestants.join(", ");
+        text += &format!("left out: {triangles} triangles, {rays} rays: {who}\n          {why}\n");
     }
     text
 }
@@ -346,16 +398,25 @@ mod tests {
     #[test]
     fn what_does_not_fit_says_so() {
         let step = step(1_000_000, 100);
-        assert_eq!(step.too_big(None, 1 << 40), None);
-        assert!(step.too_big(None, 1 << 20).unwrap().starts_with("memory"));
-        assert_eq!(step.too_big(Some((500_000, 800.0)), 1 << 40), None);
-        let why = step.too_big(Some((500_000, 1000.0)), 1 << 40).unwrap();
+        let [all, few] = &FIELDS;
+        assert_eq!(step.too_big(all, 1 << 40), None);
+        assert!(step.too_big(all, 1 << 20).unwrap().starts_with("memory"));
+        let between = (step.bytes(few) + step.bytes(all)) / 2;
+        assert!(step.too_big(all, between).is_some() && step.too_big(few, between).is_none());
+        assert_eq!(
+            left_out_of(Some(few)),
+            ["afra2012", "nabata2013", "embree-low"]
+        );
+        assert_eq!(left_out_of(None).len(), 5);
+        assert_eq!(step.too_long(None), None);
+        assert_eq!(step.too_long(Some((500_000, 800.0))), None);
+        let why = step.too_long(Some((500_000, 1000.0))).unwrap();
         assert!(why.starts_with("time") && why.contains("2000 s"), "{why}");
     }
 
     #[test]
     fn the_scene_has_the_triangles_that_it_should() {
-        let job = scene(&step(12_345, 10)).unwrap();
+        let job = scene(&step(12_345, 10), &FIELDS[0]).unwrap();
         assert_eq!(job.source.name(), "hall-12345");
         let [MeshSource::Generator { triangles, .. }] = job.source.description.meshes[..] else {
             panic!("a generated scene");
