@@ -9,7 +9,7 @@ use super::{Parameters, best, object, space};
 /// constant of about 0.72 MB where lists of triangles are split, and 55⅝ a ray + 44 a triangle +
 /// about 0.75 kB where space is split (exactly: see [`Workspace::bytes_for`]). That of `best` is 271 a
 /// triangle, 38 a ray for up to 1,048,576 rays, and for each thread 219 a ray for up to 262,144 rays, and
-/// 0.75 MB.
+/// 0.75 MB; threads themselves, started with it, are not counted.
 pub struct Workspace {
     memory: Memory,
     rays: usize,

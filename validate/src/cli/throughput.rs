@@ -107,7 +107,7 @@ pub fn throughput(args: &BenchArgs, isas: Vec<Isa>) -> anyhow::Result<Verdict> {
     }
     progress.finish();
     print(&format!(
-        "\nx one: how many times the rays a second of one thread. one trace: by all threads together\n\
+        "\nx one: how many times the rays a second of one thread. one trace: Mrays/s of one by all\n\
          results: {path}\n"
     ))?;
     let findings = document.batches.iter().flat_map(|batch| &batch.findings);
@@ -378,7 +378,7 @@ fn table(batch: &BatchTimes) -> String {
         "threads",
         "Mrays/s",
         "x one [95 %]",
-        "one trace: Mrays/s",
+        "one trace",
         "x one [95 %]",
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
