@@ -6,9 +6,9 @@ use super::{Bench, Work, best, number, point};
 use crate::geometry::{Aabb, Mesh, Triangle};
 use crate::kernels::{
     BUCKETS, BinBox, BlockStreams, CHUNK, ENTRY, Entry, GROUP, Grid, Groups, Item, Kernels, List,
-    Ordered, Prepared, Rays, Source, Tmax, Window, place_keys,
+    Ordered, Prepared, Rays, SortedRay, Source, Tmax, Window, place_keys, streams,
 };
-use crate::methods::Precision;
+use crate::methods::{BestParameters, Precision};
 use crate::rays::active::ActiveRays;
 use crate::rays::{Batch, Ray};
 use crate::simd::MAX_LANES;
@@ -26,7 +26,7 @@ const CHILDREN: [Aabb; 2] = [
 /// Triangles of a leaf.
 const LEAF: usize = CHUNK;
 /// Triangles of a cell of the grid, on average.
-const CELL: usize = 8;
+const CELL: usize = BestParameters::BEST.cell_triangles as usize;
 /// Leaves; the next list of rays takes the next of these.
 const LEAVES: usize = 64;
 
@@ -57,28 +57,6 @@ struct Block<const SHARED: bool> {
     bounds: Vec<f32>,
 }
 
-/// Streams of [`Groups`].
-const BOUNDS: usize = 13;
-
-/// Streams of `len` numbers, one behind the other.
-fn streams<const N: usize>(of: &mut [f32]) -> [*mut f32; N] {
-    let len = of.len() / N;
-    let base = of.as_mut_ptr();
-    // SAFETY: so many numbers are there.
-    std::array::from_fn(|i| unsafe { base.add(i * len) })
-}
-
-fn groups(bounds: &mut [f32]) -> Groups {
-    let s: [*mut f32; BOUNDS] = streams(bounds);
-    Groups {
-        origin_lo: [s[0], s[1], s[2]],
-        origin_hi: [s[3], s[4], s[5]],
-        inverse_lo: [s[6], s[7], s[8]],
-        inverse_hi: [s[9], s[10], s[11]],
-        far: s[12],
-    }
-}
-
 impl<const SHARED: bool> Block<SHARED> {
     /// Of whole entries of groups.
     fn new(batch: Batch) -> Block<SHARED> {
@@ -92,7 +70,7 @@ impl<const SHARED: bool> Block<SHARED> {
             floats: vec![0.0; 6 * room],
             prim: vec![0; room],
             places: vec![0; room],
-            bounds: vec![0.0; BOUNDS * len / GROUP],
+            bounds: vec![0.0; Groups::STREAMS * len / GROUP],
         }
     }
 
@@ -129,7 +107,7 @@ impl<const SHARED: bool> Block<SHARED> {
     fn load(&mut self) {
         let (rays, block) = self.pointers();
         let len = self.batch.len();
-        let groups = groups(&mut self.bounds);
+        let groups = Groups::new(&mut self.bounds);
         // SAFETY: the processor was checked; there is room for the batch and its groups.
         let prepared = unsafe {
             let source = Source::Batch(&self.batch);
@@ -161,12 +139,12 @@ struct GroupBox<const SHARED: bool> {
 }
 
 /// Groups of a list: those of a block of `best`.
-const GROUPS: usize = 256;
+const GROUPS: usize = BestParameters::BEST.block as usize / GROUP;
 /// Lists of different groups.
 const GROUP_LISTS: usize = 16;
 
 pub(super) fn group_box<const SHARED: bool>(bytes: usize) -> Bench {
-    let bounds = 4 * if SHARED { 7 } else { BOUNDS };
+    let bounds = 4 * if SHARED { 7 } else { Groups::STREAMS };
     // An entry is read and one of each child is written.
     let touched = bounds + 3 * size_of::<Entry>() / ENTRY;
     let len = (bytes / touched / GROUPS).max(1) * GROUPS;
@@ -193,7 +171,7 @@ impl<const SHARED: bool> Work for GroupBox<SHARED> {
 
     unsafe fn run(&mut self, kernels: &Kernels) -> usize {
         let (rays, _) = self.block.pointers();
-        let groups = groups(&mut self.bounds);
+        let groups = Groups::new(&mut self.bounds);
         let boxes = CHILDREN.each_ref();
         let [left, right] = &mut self.kept;
         let step = GROUPS / ENTRY;
@@ -278,14 +256,14 @@ impl<const SHARED: bool> Work for BothBoxes<SHARED> {
 /// Rays put in order.
 struct InOrder {
     batch: Batch,
-    records: Vec<[[f32; 4]; 2]>,
+    records: Vec<SortedRay>,
     places: Vec<u32>,
     keys: Vec<u16>,
     buckets: Vec<u32>,
 }
 
 /// Rays that are sorted together.
-const WINDOW: usize = 1 << 20;
+const WINDOW: usize = BestParameters::BEST.window as usize;
 
 pub(super) fn put_in_order(bytes: usize) -> Bench {
     // A ray is read and written; where it stood and its key are written.

@@ -40,6 +40,31 @@ pub(crate) struct Groups {
     pub far: *mut f32,
 }
 
+impl Groups {
+    /// How many streams there are.
+    pub const STREAMS: usize = 13;
+
+    /// With its streams one behind the other.
+    pub fn new(bounds: &mut [f32]) -> Groups {
+        let s: [*mut f32; Groups::STREAMS] = streams(bounds);
+        Groups {
+            origin_lo: [s[0], s[1], s[2]],
+            origin_hi: [s[3], s[4], s[5]],
+            inverse_lo: [s[6], s[7], s[8]],
+            inverse_hi: [s[9], s[10], s[11]],
+            far: s[12],
+        }
+    }
+}
+
+/// Streams of equal length, one behind the other.
+pub(crate) fn streams<const N: usize>(of: &mut [f32]) -> [*mut f32; N] {
+    let len = of.len() / N;
+    let base = of.as_mut_ptr();
+    // SAFETY: there are N times as many numbers.
+    std::array::from_fn(|i| unsafe { base.add(i * len) })
+}
+
 /// Directions and tmin of the rays of a block, by number.
 #[derive(Clone, Copy)]
 pub(crate) struct Ordered {

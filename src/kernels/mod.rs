@@ -32,7 +32,7 @@ pub(crate) use clusters::Grid;
 pub(crate) use cone::{Cones, LEAST_PACKET};
 pub(crate) use copies::{Copies, IndexList, ItemList};
 pub(crate) use filter::{BLOCK, Keep};
-pub(crate) use groups::{ENTRY, Entry, GROUP, Groups, Ordered};
+pub(crate) use groups::{ENTRY, Entry, GROUP, Groups, Ordered, streams};
 pub(crate) use lists::{Listed, Side, TriangleLists};
 pub(crate) use one::OneRay;
 pub use one::{Sure, TriangleTest};

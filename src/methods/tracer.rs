@@ -98,11 +98,11 @@ impl Tracer {
 
     /// Finds the nearest hit of every ray: the least (t, prim), misses as [`Hits`] has them.
     ///
-    /// Allocates nothing with one thread; more are started anew for each trace.
+    /// Allocates nothing with one thread; what queues of more need is allocated as they are used.
     ///
     /// # Panics
-    /// If no thread can be started, the workspace is too small for the batch, the mesh or the
-    /// threads, or for another kind of method, or `hits` has another length than the batch.
+    /// If the workspace is too small for the batch, the mesh or the threads, or for another kind of
+    /// method, or `hits` has another length than the batch.
     pub fn nearest(
         &self,
         mesh: &Mesh,
@@ -118,11 +118,11 @@ impl Tracer {
 
     /// Finds for every ray whether it hits anything: 1 if it does, 0 if not.
     ///
-    /// Allocates nothing with one thread; more are started anew for each trace.
+    /// Allocates nothing with one thread; what queues of more need is allocated as they are used.
     ///
     /// # Panics
-    /// If no thread can be started, the workspace is too small for the batch, the mesh or the
-    /// threads, or for another kind of method, or `occluded` has another length than the batch.
+    /// If the workspace is too small for the batch, the mesh or the threads, or for another kind of
+    /// method, or `occluded` has another length than the batch.
     pub fn any(
         &self,
         mesh: &Mesh,

@@ -34,10 +34,11 @@ impl Workspace {
     }
 
     /// As [`Workspace::new`], for traces with up to so many threads; at least 1. Only `best` has use for
-    /// more than one.
+    /// more than one; they are started here.
     ///
     /// # Panics
-    /// If there are more than 10⁹ rays, or, for `best`, more than 2²⁹ triangles.
+    /// If there are more than 10⁹ rays, or, for `best`, more than 2²⁹ triangles or threads that cannot be
+    /// started.
     pub fn for_threads(
         parameters: &Parameters,
         rays: usize,

@@ -2,12 +2,13 @@
 //! `dacrt bench growth`.
 
 use crate::embree::Best;
+use crate::json_file;
 use crate::machine::{Machine, Software};
 use crate::results::{Cell, EmbreeTimes};
 use crate::statistics::median;
 use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
-use std::io::{self, BufWriter, Read, Write};
+use std::io;
 use std::path::Path;
 
 /// What [`Document::kind`] says. There is no `schema`, so no command takes the file for the
@@ -249,13 +250,10 @@ impl Document {
     pub fn read(path: &Path) -> anyhow::Result<Document> {
         let name = path.display();
         let cannot = || format!("{name}: cannot be read");
-        let mut bytes = std::fs::read(path).with_context(cannot)?;
-        if bytes.starts_with(&[0x1f, 0x8b]) {
-            let mut text = Vec::new();
-            let mut gzip = flate2::bufread::MultiGzDecoder::new(&bytes[..]);
-            gzip.read_to_end(&mut text).with_context(cannot)?;
-            bytes = text;
-        }
+        let bytes = std::fs::read(path).with_context(cannot)?;
+        let bytes = json_file::text(bytes)
+            .map_err(|(_, source)| source)
+            .with_context(cannot)?;
         let what = || format!("{name}: is not a file of `dacrt bench growth`");
         let document: Document = serde_json::from_slice(&bytes).with_context(what)?;
         ensure!(document.kind == KIND, what());
@@ -267,12 +265,7 @@ impl Document {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        crate::atomic::write(path, |file| {
-            let mut file = BufWriter::new(file);
-            serde_json::to_writer_pretty(&mut file, self)?;
-            file.write_all(b"\n")?;
-            file.flush()
-        })
+        json_file::write(path, self)
     }
 }
 

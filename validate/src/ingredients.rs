@@ -9,9 +9,10 @@ pub use errors::{BoxErrors, Set, Spread, TriangleErrors, measure};
 pub use pairs::{Source, hard, of_rays};
 pub use times::{Plan, Time, Times, time};
 
+use crate::json_file;
 use crate::machine::{Machine, Software};
 use serde::{Deserialize, Serialize};
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::Path;
 
 /// What [`Document::kind`] says. There is no `schema`, so no command takes the file for the
@@ -43,12 +44,7 @@ impl Document {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        crate::atomic::write(path, |file| {
-            let mut file = BufWriter::new(file);
-            serde_json::to_writer_pretty(&mut file, self)?;
-            file.write_all(b"\n")?;
-            file.flush()
-        })
+        json_file::write(path, self)
     }
 
     /// What `watertight` and `exact` got wrong, which they promise not to.

@@ -1,12 +1,13 @@
 //! Timing of the engine's kernels one by one, beside what the machine can do at most.
 
+use crate::json_file;
 use crate::machine::{Machine, Software};
 use crate::statistics::{Ratio, median, paired_ratio};
 use dacrt::Isa;
 use dacrt::bench::{Bench, KERNELS, Kernel, multiply_adds};
 use serde::{Deserialize, Serialize};
 use std::hint::black_box;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::Path;
 use std::time::Instant;
 
@@ -429,12 +430,7 @@ impl Document {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        crate::atomic::write(path, |file| {
-            let mut file = BufWriter::new(file);
-            serde_json::to_writer_pretty(&mut file, self)?;
-            file.write_all(b"\n")?;
-            file.flush()
-        })
+        json_file::write(path, self)
     }
 }
 

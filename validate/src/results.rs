@@ -2,6 +2,7 @@
 
 use crate::diff::Diff;
 use crate::embree::Mode;
+use crate::json_file;
 use crate::machine::{Machine, Software};
 use crate::sweep::SweepRun;
 use schemars::JsonSchema;
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{self, BufWriter, Read, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The version of the document that this program writes and reads.
@@ -380,19 +381,11 @@ impl Document {
             source,
         };
         let bytes = fs::read(path).map_err(read)?;
-        let mut text = Vec::new();
-        let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
-            flate2::bufread::MultiGzDecoder::new(&bytes[..])
-                .read_to_end(&mut text)
-                .map_err(|source| ResultError::Gzip {
-                    path: path.to_owned(),
-                    byte: text.len(),
-                    source,
-                })?;
-            text
-        } else {
-            bytes
-        };
+        let bytes = json_file::text(bytes).map_err(|(byte, source)| ResultError::Gzip {
+            path: path.to_owned(),
+            byte,
+            source,
+        })?;
         let json = |source| ResultError::Json {
             path: path.to_owned(),
             source,
@@ -418,19 +411,13 @@ impl Document {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ResultError> {
-        let text = |out: &mut dyn Write| {
-            let mut out = BufWriter::new(out);
-            serde_json::to_writer_pretty(&mut out, self)?;
-            out.write_all(b"\n")?;
-            out.flush()
-        };
         crate::atomic::write(path, |file| {
             if path.extension().is_some_and(|extension| extension == "gz") {
                 let mut gzip = flate2::write::GzEncoder::new(file, Default::default());
-                text(&mut gzip)?;
+                json_file::write_text(&mut gzip, self)?;
                 gzip.finish().map(drop)
             } else {
-                text(file)
+                json_file::write_text(file, self)
             }
         })
         .map_err(|source| ResultError::Write {

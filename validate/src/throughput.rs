@@ -2,12 +2,13 @@
 //! 4.2, does with images. Latency, several threads in one trace, is another thing; both are in the
 //! document.
 
+use crate::json_file;
 use crate::machine::{Machine, Software};
 use crate::statistics::Ratio;
 use anyhow::Context;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::Path;
 use std::sync::Barrier;
 use std::time::Instant;
@@ -91,12 +92,7 @@ impl Document {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        crate::atomic::write(path, |file| {
-            let mut file = BufWriter::new(file);
-            serde_json::to_writer_pretty(&mut file, self)?;
-            file.write_all(b"\n")?;
-            file.flush()
-        })
+        json_file::write(path, self)
     }
 }
 

@@ -5,7 +5,7 @@ use super::parameters::{MAX_BLOCK, MAX_WINDOW};
 use super::splits::Node;
 use crate::kernels::{
     BUCKETS, BinBox, Bins, ENTRY, Entry, GROUP, Groups, Item, MAX_BINS, Ordered, Prepared,
-    SortedRay,
+    SortedRay, streams,
 };
 use crate::methods::Counters;
 use crate::rays::active::ActiveRays;
@@ -15,8 +15,6 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Streams of the directions and tmin of a block.
 const ORDERED: usize = 4;
-/// Streams of the bounds of groups.
-const BOUNDS: usize = 13;
 /// Lists of groups that are there at a time: two at each of the levels of the recursion.
 const LEVELS: usize = 2 * 100;
 
@@ -154,7 +152,7 @@ impl Worker {
             tmax: room(0.0, len),
             prim: room(0, len),
             places: room(0, len),
-            bounds: room(0.0, BOUNDS * Self::bounds_len(block)),
+            bounds: room(0.0, Groups::STREAMS * Self::bounds_len(block)),
             entries: room(Entry::ZERO, Self::entries(block)),
             in_groups: room(Entry::ZERO, Self::ray_entries(block)),
             counters: Counters::default(),
@@ -168,7 +166,7 @@ impl Worker {
         size_of::<Worker>()
             + ActiveRays::bytes(2 * block)
             + len * (size_of::<[f32; 4]>() + (ORDERED + 4) * size_of::<f32>())
-            + BOUNDS * Self::bounds_len(block) * size_of::<f32>()
+            + Groups::STREAMS * Self::bounds_len(block) * size_of::<f32>()
             + (Self::entries(block) + Self::ray_entries(block)) * size_of::<Entry>()
     }
 
@@ -187,31 +185,14 @@ impl Worker {
     }
 
     pub fn ordered(&mut self) -> Ordered {
-        let len = self.ordered.len() / ORDERED;
-        let streams: [*mut f32; ORDERED] = streams(&mut self.ordered, len);
+        let [x, y, z, tmin]: [*mut f32; ORDERED] = streams(&mut self.ordered);
         Ordered {
-            direction: [streams[0], streams[1], streams[2]],
-            tmin: streams[3],
+            direction: [x, y, z],
+            tmin,
         }
     }
 
     pub fn groups(&mut self) -> Groups {
-        let len = self.bounds.len() / BOUNDS;
-        let s: [*mut f32; BOUNDS] = streams(&mut self.bounds, len);
-        Groups {
-            origin_lo: [s[0], s[1], s[2]],
-            origin_hi: [s[3], s[4], s[5]],
-            inverse_lo: [s[6], s[7], s[8]],
-            inverse_hi: [s[9], s[10], s[11]],
-            far: s[12],
-        }
+        Groups::new(&mut self.bounds)
     }
-}
-
-/// Streams of `len` numbers, one behind the other.
-fn streams<const N: usize>(of: &mut [f32], len: usize) -> [*mut f32; N] {
-    assert!(N * len <= of.len());
-    let base = of.as_mut_ptr();
-    // SAFETY: it was checked that they are there.
-    std::array::from_fn(|i| unsafe { base.add(i * len) })
 }

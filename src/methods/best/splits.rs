@@ -417,8 +417,8 @@ impl<'a> Splits<'a> {
     }
 
     /// Where to part items by the surface area heuristic: clusters on the best of three axes, triangles on
-    /// that on which their centres are spread furthest. Three axes for triangles, too, took 0.98 to 1.06
-    /// times as long.
+    /// that on which their centres are spread furthest. Three axes for triangles, too, took 0.90 to 1.06
+    /// times as long, around the dragon 1.03 to 1.06.
     fn cut(
         &self,
         items: &[Item],

@@ -40,19 +40,19 @@ const BYTES_OF_EMBREE: usize = 145;
 const BYTES_A_RAY: usize = 400;
 
 /// Those who are measured at a point.
-struct Field {
+struct Lineup {
     methods: &'static [Method],
     /// Builds of Embree. The slowest is never among them: it takes the most time and memory of all.
     qualities: &'static [Quality],
 }
 
 /// All, and what is left where they would not fit into memory together.
-const FIELDS: [Field; 2] = [
-    Field {
+const LINEUPS: [Lineup; 2] = [
+    Lineup {
         methods: &[Method::Best, Method::Afra2012, Method::Nabata2013],
         qualities: &[Quality::Low, Quality::Medium],
     },
-    Field {
+    Lineup {
         methods: &[Method::Best],
         qualities: &[Quality::Medium],
     },
@@ -89,7 +89,7 @@ pub fn growth(args: &BenchArgs) -> anyhow::Result<Verdict> {
     let path = args.out.display();
     let mut work = Vec::new();
     for step in &steps {
-        work.extend(step.rounds(&FIELDS[0])?.iter().map(Round::work));
+        work.extend(step.rounds(&LINEUPS[0])?.iter().map(Round::work));
     }
     let progress = Progress::new(&work);
     for of_curve in steps.chunk_by(|a, b| a.grows == b.grows) {
@@ -100,10 +100,10 @@ pub fn growth(args: &BenchArgs) -> anyhow::Result<Verdict> {
         for step in of_curve {
             let limit = growth.document.memory_limit_bytes;
             let too_long = step.too_long(before);
-            let fits = |field: &&Field| step.too_big(field, limit).is_none();
-            let field = (FIELDS.iter().find(fits)).filter(|_| too_long.is_none());
-            if let Some(why) = too_long.or(step.too_big(&FIELDS[0], limit)) {
-                let contestants = left_out_of(field);
+            let fits = |lineup: &&Lineup| step.too_big(lineup, limit).is_none();
+            let lineup = (LINEUPS.iter().find(fits)).filter(|_| too_long.is_none());
+            if let Some(why) = too_long.or(step.too_big(&LINEUPS[0], limit)) {
+                let contestants = left_out_of(lineup);
                 let who = contestants.join(", ");
                 progress.warn(&format!("{}: left out: {who}: {why}", step.name()));
                 growth.document.left_out.push(LeftOut {
@@ -114,14 +114,14 @@ pub fn growth(args: &BenchArgs) -> anyhow::Result<Verdict> {
                     why,
                 });
             }
-            if let Some(field) = field {
+            if let Some(lineup) = lineup {
                 let start = Instant::now();
-                cells.extend(growth.measure(step, field, &progress)?);
+                cells.extend(growth.measure(step, lineup, &progress)?);
                 before = Some((step.number(), start.elapsed().as_secs_f64()));
                 growth.document.curves.truncate(done);
                 (growth.document.curves).extend(Curve::of(step.grows, &cells));
             } else {
-                for round in step.rounds(&FIELDS[0])? {
+                for round in step.rounds(&LINEUPS[0])? {
                     progress.skip(round.work());
                 }
             }
@@ -198,35 +198,35 @@ impl Step {
         }
     }
 
-    fn rounds(&self, field: &Field) -> anyhow::Result<Vec<Round>> {
+    fn rounds(&self, lineup: &Lineup) -> anyhow::Result<Vec<Round>> {
         let of = |rays| {
             Ok(Round {
                 film: self.film,
                 rays,
-                contestants: contestants(field.methods, &[Precision::Fast], &Default::default())?,
+                contestants: contestants(lineup.methods, &[Precision::Fast], &Default::default())?,
             })
         };
         RAY_TYPES.into_iter().map(of).collect()
     }
 
     /// Bytes that it takes, about.
-    fn bytes(&self, field: &Field) -> u64 {
+    fn bytes(&self, lineup: &Lineup) -> u64 {
         let (rays, triangles) = (self.film.rays(), self.triangles);
         // The two methods that split lists of triangles have one workspace.
         let workspaces: usize = [Method::Best, Method::Afra2012]
             .iter()
-            .filter(|method| field.methods.contains(method))
+            .filter(|method| lineup.methods.contains(method))
             .map(|method| Workspace::bytes_for(&method.parameters(), rays, triangles, 1))
             .sum();
         // Hits are judged by one scene more.
-        let scenes = field.qualities.len() + 1;
+        let scenes = lineup.qualities.len() + 1;
         let bytes = BYTES_A_TRIANGLE + scenes * BYTES_OF_EMBREE;
         (workspaces + triangles * bytes + rays * BYTES_A_RAY) as u64
     }
 
     /// Why there is no room to measure it, if so.
-    fn too_big(&self, field: &Field, limit: u64) -> Option<String> {
-        let bytes = self.bytes(field);
+    fn too_big(&self, lineup: &Lineup, limit: u64) -> Option<String> {
+        let bytes = self.bytes(lineup);
         let [gib, most] = [bytes, limit].map(|b| b as f64 / (1u64 << 30) as f64);
         (bytes > limit)
             .then(|| format!("memory: all would take about {gib:.1} GiB, and may take {most:.1}"))
@@ -253,16 +253,16 @@ impl Growth {
     fn measure(
         &mut self,
         step: &Step,
-        field: &Field,
+        lineup: &Lineup,
         progress: &Progress,
     ) -> anyhow::Result<Vec<Cell>> {
         // The file of a run, which is not kept.
         let folder = tempfile::tempdir().context("no temporary folder")?;
         let plan = RunPlan {
-            scenes: vec![scene(step, field)?],
+            scenes: vec![scene(step, lineup)?],
             repeats: self.repeats,
             exact_all: RANDOM_RAYS,
-            qualities: field.qualities,
+            qualities: lineup.qualities,
             engine: Engine {
                 isa: self.isa,
                 seed: SEED,
@@ -283,7 +283,7 @@ impl Growth {
 }
 
 /// The scene with another number of triangles; there is no file of it.
-fn scene(step: &Step, field: &Field) -> anyhow::Result<SceneJob> {
+fn scene(step: &Step, lineup: &Lineup) -> anyhow::Result<SceneJob> {
     let mut source = SceneSource::find(SCENE)?;
     source.json = Path::new(&format!("{SCENE}-{}", step.triangles)).into();
     for mesh in &mut source.description.meshes {
@@ -294,16 +294,16 @@ fn scene(step: &Step, field: &Field) -> anyhow::Result<SceneJob> {
     Ok(SceneJob {
         view: source.view()?,
         source,
-        rounds: step.rounds(field)?,
+        rounds: step.rounds(lineup)?,
     })
 }
 
-/// Names of those who are not in a field, or of all.
-fn left_out_of(field: Option<&Field>) -> Vec<String> {
-    let is_in = |method: &Method| field.is_some_and(|field| field.methods.contains(method));
-    let methods = FIELDS[0].methods.iter().filter(|method| !is_in(method));
+/// Names of those who are not in a lineup, or of all.
+fn left_out_of(lineup: Option<&Lineup>) -> Vec<String> {
+    let is_in = |method: &Method| lineup.is_some_and(|lineup| lineup.methods.contains(method));
+    let methods = LINEUPS[0].methods.iter().filter(|method| !is_in(method));
     let built = |quality: &str| {
-        field.is_some_and(|field| field.qualities.iter().any(|q| q.name() == quality))
+        lineup.is_some_and(|lineup| lineup.qualities.iter().any(|q| q.name() == quality))
     };
     let embree = EMBREE.iter().filter(|(_, quality)| !built(quality));
     (methods.map(|method| method.name()))
@@ -398,7 +398,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_says_so() {
         let step = step(1_000_000, 100);
-        let [all, few] = &FIELDS;
+        let [all, few] = &LINEUPS;
         assert_eq!(step.too_big(all, 1 << 40), None);
         assert!(step.too_big(all, 1 << 20).unwrap().starts_with("memory"));
         let between = (step.bytes(few) + step.bytes(all)) / 2;
@@ -416,7 +416,7 @@ mod tests {
 
     #[test]
     fn the_scene_has_the_triangles_that_it_should() {
-        let job = scene(&step(12_345, 10), &FIELDS[0]).unwrap();
+        let job = scene(&step(12_345, 10), &LINEUPS[0]).unwrap();
         assert_eq!(job.source.name(), "hall-12345");
         let [MeshSource::Generator { triangles, .. }] = job.source.description.meshes[..] else {
             panic!("a generated scene");

@@ -1,12 +1,13 @@
 //! What `dacrt hard` found, as a JSON document.
 
 use crate::diff::Number;
+use crate::json_file;
 use crate::judge::{Answer, Verdict};
 use crate::machine::{Machine, Software};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::Path;
 
 /// What [`Document::kind`] says. There is no `schema`, so no command takes the file for the
@@ -182,11 +183,6 @@ impl Document {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        crate::atomic::write(path, |file| {
-            let mut out = BufWriter::new(file);
-            serde_json::to_writer_pretty(&mut out, self)?;
-            out.write_all(b"\n")?;
-            out.flush()
-        })
+        json_file::write(path, self)
     }
 }
