@@ -141,27 +141,31 @@ fn run_measures_and_writes_every_cell() {
     );
     assert_eq!(document["command"][0], "dacrt");
     let cells = document["cells"].as_array().unwrap();
-    // Two sizes; 2 cells of the baseline, 4 of ray sampling; of Mora's methods two for primary rays,
-    // and one for diffuse ones, where they are the same.
-    assert_eq!(cells.len(), 2 * ((2 + 4 + 2) + (2 + 4 + 1)));
+    // Two sizes; 2 cells of the baseline, 4 of ray sampling, 1 of the fastest; of Mora's methods two
+    // for primary rays, and one for diffuse ones, where they are the same.
+    assert_eq!(cells.len(), 2 * ((2 + 4 + 1 + 2) + (2 + 4 + 1 + 1)));
     for cell in cells {
         assert_eq!(cell["scene"], "tiny");
         assert_eq!(cell["samples_ms"].as_array().unwrap().len(), 2);
-        let of_mora = cell["method"].as_str().unwrap().starts_with("mora");
+        let method = cell["method"].as_str().unwrap();
+        let of_mora = method.starts_with("mora");
         // The baseline with its defaults is not in this run.
-        assert_eq!(cell["acceleration_ratio"].is_null(), of_mora);
+        assert_eq!(
+            cell["acceleration_ratio"].is_null(),
+            of_mora || method == "best"
+        );
         assert!(cell["ratio_embree_total"].as_f64().unwrap() > 0.0);
         assert_eq!(cell["diff"]["exact"]["ours_wrong"], 0);
         assert_eq!(cell["embree"]["build_ms"].as_object().unwrap().len(), 3);
         assert_eq!(cell["embree"]["trace_ms"].as_object().unwrap().len(), 9);
         let same_rays = cells.iter().filter(|c| c["ray_hash"] == cell["ray_hash"]);
         let primary = cell["rays"] == "primary";
-        assert_eq!(same_rays.clone().count(), if primary { 8 } else { 7 });
+        assert_eq!(same_rays.clone().count(), if primary { 9 } else { 8 });
         assert!(same_rays.clone().all(|c| c["hit_hash"] == cell["hit_hash"]));
-        let is_baseline = cell["method"] == "afra2012";
+        let is_baseline = method == "afra2012";
         assert_eq!(
-            cell["parameters"].get("samples").is_none(),
-            is_baseline || of_mora
+            cell["parameters"].get("samples").is_some(),
+            method == "nabata2013"
         );
         let variant = cell["parameters"].get("variant");
         assert_eq!(variant.is_some(), of_mora);

@@ -193,8 +193,8 @@ pub struct RunArgs {
     #[arg(long, value_delimiter = ',', value_name = "TYPES")]
     pub rays: Option<Vec<String>>,
     /// Methods: afra2012, nabata2013, mora2011, mora2011-cones, mora2011-random, best
-    /// [default: afra2012, nabata2013, and of Mora's the first two for primary and shadow-point rays,
-    /// the last for all others]
+    /// [default: afra2012, nabata2013, best, and of Mora's the first two for primary and shadow-point
+    /// rays, the last for all others]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub methods: Option<Vec<String>>,
     /// Precisions of the triangle test: fast, watertight, exact

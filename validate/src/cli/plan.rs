@@ -282,9 +282,15 @@ fn default_methods(rays: RayType) -> &'static [Method] {
             Method::Nabata2013,
             Method::Mora2011,
             Method::Mora2011Cones,
+            Method::Best,
         ],
-        // Without a shared origin, all three are the one for random rays.
-        _ => &[Method::Afra2012, Method::Nabata2013, Method::Mora2011Random],
+        // Without a shared origin, Mora's are all the one for random rays.
+        _ => &[
+            Method::Afra2012,
+            Method::Nabata2013,
+            Method::Mora2011Random,
+            Method::Best,
+        ],
     }
 }
 
