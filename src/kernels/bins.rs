@@ -3,7 +3,7 @@
 
 use crate::geometry::{Aabb, Triangle};
 use crate::simd::Lanes;
-use glam::Vec3;
+use glam::{BVec4A, Vec3, Vec4};
 
 /// The most bins that a node may have.
 pub(crate) const MAX_BINS: usize = 256;
@@ -38,6 +38,22 @@ impl Item {
         ])
     }
 
+    /// As [`Item::new`], of corners whose fourth lanes mean nothing, in two vectors.
+    #[inline(always)]
+    pub fn halves([a, b, c]: [Vec4; 3], prim: u32) -> [Vec4; 2] {
+        let with_bits = |v: Vec4, bits| {
+            let coordinates = BVec4A::new(true, true, true, false);
+            Vec4::select(coordinates, v, Vec4::splat(f32::from_bits(bits)))
+        };
+        let (least, greatest) = (a.min(b).min(c), a.max(b).max(c));
+        [with_bits(least, prim), with_bits(-greatest, 1)]
+    }
+
+    #[inline(always)]
+    pub fn of_halves(halves: [Vec4; 2]) -> Item {
+        Item(BinBox::of_halves(halves).0)
+    }
+
     /// A cluster of `weight` triangles.
     pub fn cluster(bounds: BinBox, number: u32, weight: u32) -> Item {
         let mut item = bounds.0;
@@ -70,6 +86,14 @@ impl Item {
 
 impl BinBox {
     pub const EMPTY: BinBox = BinBox([f32::INFINITY; 8]);
+
+    #[inline(always)]
+    pub fn of_halves([lower, upper]: [Vec4; 2]) -> BinBox {
+        let mut numbers = [0.0; 8];
+        lower.write_to_slice(&mut numbers[..4]);
+        upper.write_to_slice(&mut numbers[4..]);
+        BinBox(numbers)
+    }
 
     /// # Safety
     /// The processor has `L`'s instruction set.

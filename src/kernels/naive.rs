@@ -3,7 +3,7 @@
 use super::triangle::{CHUNK, Corners, Prepared};
 use super::{Item, List, Rays};
 use crate::geometry::{Aabb, Triangle};
-use crate::simd::{Lanes, MAX_LANES, load3};
+use crate::simd::{Lanes, MAX_LANES, OnLines, load3};
 use glam::Vec3;
 
 /// A vector of active rays.
@@ -370,7 +370,7 @@ impl<L: Lanes> TriangleList<L> for Items<'_> {
     ) {
         let items = &self.items[from..];
         // Corners, one number a triangle.
-        let mut rows = [[0f32; CHUNK]; 9];
+        let OnLines(rows) = &mut OnLines([[0f32; CHUNK]; 9]);
         let mut prims = [0; CHUNK];
         for (j, item) in items.iter().take(CHUNK).enumerate() {
             let Triangle { a, b, c } = &self.triangles[item.prim() as usize];
@@ -384,9 +384,9 @@ impl<L: Lanes> TriangleList<L> for Items<'_> {
         for at in (0..items.len().min(CHUNK)).step_by(L::N) {
             // SAFETY: as promised; rows are as long as a chunk.
             unsafe {
-                let a = row3::<L>(&rows, 0, at);
-                let b = row3::<L>(&rows, 3, at);
-                let c = row3::<L>(&rows, 6, at);
+                let a = row3::<L>(rows, 0, at);
+                let b = row3::<L>(rows, 3, at);
+                let c = row3::<L>(rows, 6, at);
                 let (mut lo, mut hi) = (a, a);
                 for axis in 0..3 {
                     lo[axis] = L::min(L::min(a[axis], b[axis]), c[axis]);

@@ -9,7 +9,7 @@
 use super::block::{self, Source};
 use crate::geometry::Aabb;
 use crate::rays::Batch;
-use crate::simd::{Lanes, MAX_LANES};
+use crate::simd::{Lanes, MAX_LANES, OnLines};
 use std::ops::Range;
 
 /// Origin and tmin, direction and tmax.
@@ -103,7 +103,7 @@ pub(crate) unsafe fn put_in_order<L: Lanes>(
     unsafe {
         for (keys, at) in keys.chunks(L::N).zip(range.clone().step_by(L::N)) {
             let rays = block::load::<L>(&Source::Batch(batch), at, range.end - at);
-            let mut rows = [[[0f32; 4]; MAX_LANES]; 2];
+            let OnLines(rows) = &mut OnLines([[[0f32; 4]; MAX_LANES]; 2]);
             let ([ox, oy, oz], [dx, dy, dz]) = (rays.origin, rays.direction);
             L::store4(rows[0].as_mut_ptr(), [ox, oy, oz, rays.tmin]);
             L::store4(rows[1].as_mut_ptr(), [dx, dy, dz, rays.tmax]);

@@ -4,11 +4,11 @@ use super::records::least_of;
 use super::slab::CREEPING;
 use super::{Item, Rays, bins::BinBox};
 use crate::exact::has_area;
-use crate::geometry::{Mesh, Triangle};
+use crate::geometry::{COORDINATE_LIMIT, Mesh, Triangle};
 use crate::methods::Precision;
 use crate::rays::Batch;
 use crate::simd::Lanes;
-use glam::{Vec3, Vec3A, Vec3Swizzles};
+use glam::{Vec3, Vec4, Vec4Swizzles};
 
 /// What the pass over the rays found.
 #[derive(Clone, Copy, Debug)]
@@ -229,47 +229,58 @@ pub(crate) unsafe fn prepare_rays<L: Lanes>(batch: &Batch, rays: &Rays) -> Prepa
     }
 }
 
+/// The corners of a triangle; their fourth lanes are some other number of it.
+#[inline(always)]
+fn corners(triangle: &Triangle) -> [Vec4; 3] {
+    // SAFETY: a triangle is nine floats in a row.
+    let floats: &[f32; 9] = unsafe { &*std::ptr::from_ref(triangle).cast() };
+    let four = |from| Vec4::from_slice(&floats[from..]);
+    // Not copied number by number, which would have to reach the cache before it is a vector.
+    [four(0), four(3), four(5).yzwx()]
+}
+
+/// The lanes of a mask that are coordinates.
+const XYZ: u32 = 0b111;
+
+/// See [`Triangle::is_valid`].
+#[inline(always)]
+fn are_valid([a, b, c]: [Vec4; 3]) -> bool {
+    let limit = Vec4::splat(COORDINATE_LIMIT);
+    let valid = a.abs().cmplt(limit) & b.abs().cmplt(limit) & c.abs().cmplt(limit);
+    valid.bitmask() & XYZ == XYZ
+}
+
 /// Whether float32 is certain that a valid triangle has an area.
 ///
 /// With u = 2⁻²⁴, each product of two rounded edges is within 3 u of the exact one, and their difference
 /// is rounded once more: less than 5 u (|p| + |q|), and what underflow loses.
 #[inline(always)]
-fn surely_has_area(triangle: &Triangle) -> bool {
+fn surely_have_area([a, b, c]: [Vec4; 3]) -> bool {
     const BOUND: f32 = 8.0 / (1 << 24) as f32;
-    let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(Vec3A::from);
     let (ab, ac) = (b - a, c - a);
-    let (p, q) = (ab.yzx() * ac.zxy(), ab.zxy() * ac.yzx());
-    let error = (p.abs() + q.abs()) * BOUND + Vec3A::splat(f32::MIN_POSITIVE);
-    (p - q).abs().cmpgt(error).any()
+    let (p, q) = (ab.yzxw() * ac.zxyw(), ab.zxyw() * ac.yzxw());
+    let error = (p.abs() + q.abs()) * BOUND + Vec4::splat(f32::MIN_POSITIVE);
+    (p - q).abs().cmpgt(error).bitmask() & XYZ != 0
 }
 
 /// Writes the items of triangles that can be hit (valid and with an area), in file order, and the box
 /// around them; returns how many there are. It looks at as many triangles from `from` on as there is room
 /// for.
-///
-/// # Safety
-/// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(crate) unsafe fn prepare_triangles<L: Lanes>(
-    mesh: &Mesh,
-    from: usize,
-    items: &mut [Item],
-) -> (usize, BinBox) {
-    let mut bounds = BinBox::EMPTY;
+pub(crate) fn prepare_triangles(mesh: &Mesh, from: usize, items: &mut [Item]) -> (usize, BinBox) {
+    let mut bounds = [Vec4::INFINITY; 2];
     let mut n = 0;
-    for (i, triangle) in mesh.triangles()[from..]
-        .iter()
-        .take(items.len())
-        .enumerate()
-    {
-        if triangle.is_valid() && (surely_has_area(triangle) || has_area(triangle)) {
-            items[n] = Item::new(triangle, (from + i) as u32);
-            // SAFETY: as promised.
-            unsafe { bounds.add::<L>(&items[n]) };
+    let triangles = mesh.triangles()[from..].iter().take(items.len());
+    for (prim, triangle) in (from as u32..).zip(triangles) {
+        let corners = corners(triangle);
+        if are_valid(corners) && (surely_have_area(corners) || has_area(triangle)) {
+            let [lower, upper] = Item::halves(corners, prim);
+            bounds = [lower.min(bounds[0]), upper.min(bounds[1])];
+            items[n] = Item::of_halves([lower, upper]);
             n += 1;
         }
     }
-    (n, bounds)
+    (n, BinBox::of_halves(bounds))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::slab::SlabBox;
 use crate::geometry::Aabb;
 use crate::methods::Precision;
 use crate::rays::{Batch, MISS};
-use crate::simd::{Lanes, MAX_LANES};
+use crate::simd::{Lanes, MAX_LANES, OnLines};
 use glam::Vec3;
 
 /// The rays of one trace. All pointers are good for every ray of the batch.
@@ -218,7 +218,7 @@ unsafe fn store_first4<L: Lanes, const STRIDE: usize>(p: *mut [f32; 4], v: [L::F
         if STRIDE == 1 && n == L::N {
             return L::store4(p, v);
         }
-        let mut records = [[0f32; 4]; MAX_LANES];
+        let OnLines(records) = &mut OnLines([[0f32; 4]; MAX_LANES]);
         L::store4(records.as_mut_ptr(), v);
         for (i, record) in records.iter().enumerate().take(n) {
             *p.add(STRIDE * i) = *record;

@@ -213,8 +213,7 @@ macro_rules! shells {
                 from: usize,
                 items: &mut [Item],
             ) -> (usize, BinBox) {
-                // SAFETY: as above.
-                unsafe { prepare::prepare_triangles::<L>(mesh, from, items) }
+                prepare::prepare_triangles(mesh, from, items)
             }
 
             $(#[$feature])?

@@ -12,7 +12,7 @@ use super::certain;
 use super::naive::{RayVector, Record};
 use super::slab::SlabBox;
 use crate::geometry::Aabb;
-use crate::simd::{Lanes, MAX_LANES, splat3};
+use crate::simd::{Lanes, MAX_LANES, OnLines, splat3};
 use glam::Vec3;
 
 /// Triangles that are prepared at a time.
@@ -111,7 +111,7 @@ impl Prepared {
                     size = certain::if_sided::<L>(size, distance, L::abs(nc));
                 }
             }
-            let mut rows = [[[0f32; 4]; MAX_LANES]; 5];
+            let OnLines(rows) = &mut OnLines([[[0f32; 4]; MAX_LANES]; 5]);
             L::store4(rows[0].as_mut_ptr(), [n[0], n[1], n[2], size]);
             L::store4(rows[1].as_mut_ptr(), [u[0], u[1], u[2], L::from_bits(prim)]);
             L::store4(rows[2].as_mut_ptr(), [v[0], v[1], v[2], a[0]]);

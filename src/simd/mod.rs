@@ -19,6 +19,11 @@ pub(crate) use avx512::Avx512;
 pub use isa::{Isa, UnknownIsa};
 pub(crate) use portable::Portable;
 
+/// What begins where a cache line does. A vector that was stored across two lines has to reach the
+/// cache before its parts can be read.
+#[repr(align(64))]
+pub(crate) struct OnLines<T>(pub T);
+
 /// A vector of `N` float32, the matching vector of 32-bit unsigned integers, and a mask.
 ///
 /// # Safety
