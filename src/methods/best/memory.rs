@@ -106,7 +106,7 @@ impl Memory {
             rooms: (0..threads).map(|_| SplitRoom::new(triangles)).collect(),
             workers: (0..threads).map(|_| Worker::new(rays)).collect(),
             pool: (threads > 1).then(|| {
-                let pool = ThreadPoolBuilder::new().num_threads(threads);
+                let pool = ThreadPoolBuilder::new().num_threads(threads - 1);
                 pool.build().expect("threads can be started")
             }),
         }

@@ -165,20 +165,23 @@ pub(in crate::methods) fn trace(
     }
 }
 
-/// Does tasks, side by side if there are threads for that.
+/// Does tasks, side by side if there are threads for that. The first is the caller's own: a caller that
+/// slept meanwhile left its processor empty, and two threads that it woke shared the other one.
 fn each<T: Send>(
     pool: Option<&ThreadPool>,
-    tasks: impl Iterator<Item = T> + Send,
+    mut tasks: impl Iterator<Item = T>,
     work: impl Fn(T) + Sync,
 ) {
     let Some(pool) = pool else {
         return tasks.for_each(work);
     };
     let work = &work;
-    pool.scope(|scope| {
+    let own = tasks.next();
+    pool.in_place_scope(|scope| {
         for task in tasks {
             scope.spawn(move |_| work(task));
         }
+        own.map(work);
     });
 }
 
