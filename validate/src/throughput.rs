@@ -96,7 +96,8 @@ impl Document {
     }
 }
 
-/// Threads that are there beforehand and start together.
+/// Threads that are there beforehand and start together, each on a processor of its own: threads that are
+/// woken together may share one for tens of milliseconds while another has nothing to do.
 #[derive(Debug)]
 pub struct Crew {
     pool: ThreadPool,
@@ -109,7 +110,15 @@ impl Crew {
     /// # Errors
     /// If they cannot be started.
     pub fn new(threads: usize) -> anyhow::Result<Crew> {
-        let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
+        let processors = core_affinity::get_core_ids().unwrap_or_default();
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads.max(1))
+            .start_handler(move |thread| {
+                // Where it does not work, threads are wherever the system puts them.
+                let own = processors.get(thread);
+                own.map(|processor| core_affinity::set_for_current(*processor));
+            })
+            .build();
         let pool = pool.with_context(|| format!("cannot start {threads} threads"))?;
         Ok(Crew {
             barrier: Barrier::new(pool.current_num_threads()),

@@ -1,5 +1,6 @@
 //! Which Embree this is and how many threads it builds and traces with.
 
+use super::alone::on_one_processor;
 use super::threads::Threads;
 use anyhow::{Context, bail, ensure};
 use embree4_sys as sys;
@@ -32,7 +33,8 @@ pub struct Info {
 
 impl Device {
     /// Loads Embree for builds and traces with `threads` threads, 0 for as many as the machine has. Those
-    /// that trace are started here; those that build are Embree's own.
+    /// that trace are started here; those that build are Embree's own. If the first device of a process
+    /// has one thread, builds of later ones have one, too.
     ///
     /// # Errors
     /// If the library is older than 4.0, or does not support the processor, or no threads can be started.
@@ -41,7 +43,10 @@ impl Device {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             n => n,
         };
-        let device = open(threads)?;
+        let device = match threads {
+            1 => on_one_processor(|| open(1))?,
+            _ => open(threads)?,
+        };
         // A scene is the public way from an `embree4-rs` device to what `embree4-sys` takes.
         let scene = embree4_rs::Scene::try_new(device, Default::default())?;
         let device = super::scene::RawDevice::of(&scene);

@@ -3,6 +3,7 @@
 //! `embree4-rs` makes devices, scenes and meshes; packets, occlusion and everything that is timed
 //! go through `embree4-sys`.
 
+mod alone;
 mod best;
 mod device;
 mod flush;
