@@ -8,6 +8,7 @@
 //!     { "name": "nave", "eye": [-15, -5, 0], "look_at": [0, -8, 0], "up": [0, 1, 0], "fov_degrees": 60 }
 //!   ],
 //!   "lights": [{ "type": "point", "position": [0, -2, 0] }],
+//!   "mirrors": [{ "plane": { "point": [0, -15.3, 0], "normal": [0, 1, 0] } }],
 //!   "rays": ["primary", "shadow-point", "diffuse-1"]
 //! }
 //! ```
@@ -16,8 +17,9 @@
 //! |---|---|
 //! | `about` | one line for lists of scenes; may be left out |
 //! | `meshes` | at least one; their triangles are numbered one mesh after the other. Either `{ "file": NAME }`, an OBJ or PLY file, plain or gzip, looked for beside the JSON and then in the mesh folders; or `{ "generator": NAME, "triangles": N, "seed": N }` |
-//! | `cameras` | at least one, each with a name of its own; the first is the default. `fov_degrees` is the vertical field of view, more than 0 and less than 180; `up` need not be at right angles to the view, nor of length 1 |
-//! | `lights` | may be left out. A light has a `type`: `point`, with a `position`; `shadow-point` rays need one |
+//! | `cameras` | at least one, each with a name of its own; the first is the default. `fov_degrees` is the vertical field of view, more than 0 and less than 180; `up` need not be at right angles to the view, nor of length 1. A `lens` may be left out: `{ "radius": R, "focus": DISTANCE }` for `dof` rays, from which secondary rays then start |
+//! | `lights` | may be left out. A light has a `type`: `point`, with a `position`, of which the first is that of `shadow-point` rays; or `area`, a parallelogram with a `corner` and two `edges` that start there, of which the first is that of `shadow-area` rays |
+//! | `mirrors` | may be left out; what `reflection` rays come off: the triangles in a plane, `{ "plane": { "point": P, "normal": N } }`, or some by their numbers, `{ "triangles": [FIRST, END] }` without `END`; those of a mesh have numbers in a row |
 //! | `rays` | the ray types that the scene is for, at least one: names of [`RAY_TYPES`] |
 //! | `$schema` | for editors, which then complete and check the file: `"./scene.schema.json"`, the JSON Schema of this format; not read here, and may be left out |
 //!
@@ -30,6 +32,8 @@ use super::{SceneError, generators};
 use crate::geometry::COORDINATE_LIMIT;
 #[cfg(feature = "schema")]
 use crate::workloads::FOV_LIMIT;
+use crate::workloads::{self, AreaLight, WorkloadError};
+use glam::DVec3;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -72,6 +76,8 @@ pub struct Description {
     pub cameras: Vec<Camera>,
     /// May be empty.
     pub lights: Vec<Light>,
+    /// May be empty.
+    pub mirrors: Vec<Mirror>,
     /// Names out of [`RAY_TYPES`].
     pub rays: Vec<String>,
 }
@@ -100,7 +106,7 @@ pub enum MeshSource {
     },
 }
 
-/// A pinhole camera.
+/// A pinhole camera, or one with a thin lens.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -120,6 +126,21 @@ pub struct Camera {
     /// Vertical field of view, in degrees: more than 0 and less than 180.
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = FOV_LIMIT)))]
     pub fov_degrees: f64,
+    /// For depth of field.
+    pub lens: Option<Lens>,
+}
+
+/// A thin lens around the eye.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Lens {
+    /// In the units of the meshes; more than 0.
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub radius: f64,
+    /// Distance of what is sharp from the eye, along the view; more than 0.
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub focus: f64,
 }
 
 /// A light.
@@ -133,6 +154,31 @@ pub enum Light {
         #[cfg_attr(feature = "schema", schemars(extend("items" = coordinate())))]
         position: [f64; 3],
     },
+    /// Shines from a parallelogram.
+    Area {
+        /// One of its corners.
+        #[cfg_attr(feature = "schema", schemars(extend("items" = coordinate())))]
+        corner: [f64; 3],
+        /// From there to the two corners beside it.
+        edges: [[f64; 3]; 2],
+    },
+}
+
+/// Triangles that reflect.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Mirror {
+    /// All triangles in a plane.
+    Plane {
+        /// A point of the plane.
+        #[cfg_attr(feature = "schema", schemars(extend("items" = coordinate())))]
+        point: [f64; 3],
+        /// Of any length but 0.
+        normal: [f64; 3],
+    },
+    /// The triangles from the first number to that before the second.
+    Triangles([u32; 2]),
 }
 
 /// The keys of the file as they stand in it.
@@ -152,9 +198,12 @@ struct Keys {
     /// The first is the default.
     #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
     cameras: Vec<Camera>,
-    /// What shines; `shadow-point` rays need a point light.
+    /// What shines; `shadow-point` rays need a point light, `shadow-area` rays an area light.
     #[serde(default)]
     lights: Vec<Light>,
+    /// What `reflection` rays come off.
+    #[serde(default)]
+    mirrors: Vec<Mirror>,
     /// The ray types that the scene is for.
     #[cfg_attr(
         feature = "schema",
@@ -232,10 +281,41 @@ impl Description {
             meshes,
             cameras: keys.cameras,
             lights: keys.lights,
+            mirrors: keys.mirrors,
             rays: keys.rays,
         };
         description.check().map_err(invalid)?;
         Ok(description)
+    }
+
+    /// What rays need of the scene besides its meshes, seen by one of its cameras: the first light of
+    /// each kind, and all mirrors.
+    pub fn view(&self, camera: workloads::Camera) -> workloads::View {
+        let vector = |v: [f64; 3]| DVec3::from(v);
+        let point_light = self.lights.iter().find_map(|light| match light {
+            Light::Point { position } => Some(vector(*position).as_vec3()),
+            Light::Area { .. } => None,
+        });
+        let area_light = self.lights.iter().find_map(|light| match light {
+            Light::Area { corner, edges } => Some(AreaLight {
+                corner: vector(*corner),
+                edges: edges.map(vector),
+            }),
+            Light::Point { .. } => None,
+        });
+        let mirrors = self.mirrors.iter().map(|mirror| match mirror {
+            Mirror::Plane { point, normal } => workloads::Mirror::Plane {
+                point: vector(*point),
+                normal: vector(*normal),
+            },
+            Mirror::Triangles([first, end]) => workloads::Mirror::Triangles(*first..*end),
+        });
+        workloads::View {
+            camera,
+            point_light,
+            area_light,
+            mirrors: mirrors.collect(),
+        }
     }
 
     /// Looks for values that make no sense; returns the key and what is wrong with it.
@@ -266,8 +346,15 @@ impl Description {
                 ));
             }
         }
-        for (i, Light::Point { position }) in self.lights.iter().enumerate() {
-            check_point(position).map_err(|problem| (format!("lights[{i}].position"), problem))?;
+        for (i, light) in self.lights.iter().enumerate() {
+            light
+                .check()
+                .map_err(|(key, problem)| (format!("lights[{i}].{key}"), problem))?;
+        }
+        for (i, mirror) in self.mirrors.iter().enumerate() {
+            mirror
+                .check()
+                .map_err(|(key, problem)| (format!("mirrors[{i}].{key}"), problem))?;
         }
         for (i, rays) in self.rays.iter().enumerate() {
             if !RAY_TYPES.contains(&rays.as_str()) {
@@ -311,14 +398,57 @@ impl Camera {
         check_point(&self.eye).map_err(|problem| (".eye", problem))?;
         check_point(&self.look_at).map_err(|problem| (".look_at", problem))?;
         check_point(&self.up).map_err(|problem| (".up", problem))?;
-        crate::workloads::Camera::new(
-            self.eye.into(),
-            self.look_at.into(),
-            self.up.into(),
-            self.fov_degrees,
-        )
-        .map(|_| ())
-        .map_err(|error| ("", error.to_string()))
+        (self.camera().map(|_| ())).map_err(|error| ("", error.to_string()))
+    }
+
+    /// The camera that makes rays.
+    ///
+    /// # Errors
+    /// None for the camera of a description that was loaded.
+    pub fn camera(&self) -> Result<workloads::Camera, WorkloadError> {
+        let [eye, look_at, up] = [self.eye, self.look_at, self.up].map(DVec3::from);
+        let camera = workloads::Camera::new(eye, look_at, up, self.fov_degrees)?;
+        match self.lens {
+            Some(Lens { radius, focus }) => camera.with_lens(workloads::Lens { radius, focus }),
+            None => Ok(camera),
+        }
+    }
+}
+
+impl Light {
+    /// Looks for values that make no light; returns the key and what is wrong with it.
+    fn check(&self) -> Result<(), (&'static str, String)> {
+        match self {
+            Light::Point { position } => check_point(position).map_err(|p| ("position", p)),
+            Light::Area { corner, edges } => {
+                check_point(corner).map_err(|problem| ("corner", problem))?;
+                (edges.iter().try_for_each(check_point)).map_err(|problem| ("edges", problem))
+            }
+        }
+    }
+}
+
+impl Mirror {
+    /// Looks for values that make no mirror; returns the key and what is wrong with it.
+    fn check(&self) -> Result<(), (&'static str, String)> {
+        match self {
+            Mirror::Plane { point, normal } => {
+                check_point(point).map_err(|problem| ("plane.point", problem))?;
+                check_point(normal).map_err(|problem| ("plane.normal", problem))?;
+                match DVec3::from(*normal).try_normalize() {
+                    Some(_) => Ok(()),
+                    None => Err((
+                        "plane.normal",
+                        format!("expected a vector that has a direction, found {normal:?}"),
+                    )),
+                }
+            }
+            Mirror::Triangles([first, end]) if first >= end => Err((
+                "triangles",
+                format!("expected a first number below the second, found {first} and {end}"),
+            )),
+            Mirror::Triangles(_) => Ok(()),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ pub mod generators;
 mod loaders;
 mod nearest;
 
-pub use description::{Camera, Description, Light, MeshSource};
+pub use description::{Camera, Description, Lens, Light, MeshSource, Mirror};
 pub use loaders::{MeshError, Place, load_mesh, mesh_from_bytes};
 pub use nearest::no_such;
 

@@ -1,7 +1,10 @@
 //! The scene descriptions of the repository, and what is said of bad ones.
 
-use dacrt::scene::{self, Description, Light, MeshSource, Scene, SceneError, description};
-use dacrt::workloads::RayType;
+use dacrt::scene::{
+    self, Description, Lens, Light, MeshSource, Mirror, Scene, SceneError, description,
+};
+use dacrt::workloads::{self, RayType};
+use glam::{DVec3, Vec3};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -96,9 +99,9 @@ const GOOD: &str = r#"{
   ],
   "cameras": [
     { "name": "front", "eye": [0, 1, 2], "look_at": [0, 1, 0], "up": [0, 1, 0], "fov_degrees": 60 },
-    { "name": "side", "eye": [9, 1, 2], "look_at": [0, 1, 0], "up": [0, 5, 0], "fov_degrees": 0.5 }
+    { "name": "side", "eye": [9, 1, 2], "look_at": [0, 1, 0], "up": [0, 5, 0], "fov_degrees": 0.5, "lens": { "radius": 0.25, "focus": 3 } }
   ],
-  "lights": [{ "type": "point", "position": [0, 0, 1.5] }],
+  "lights": [{ "type": "point", "position": [0, 0, 1.5] }, { "type": "area", "corner": [1, 2, 3], "edges": [[4, 0, 0], [0, 0, 5]] }], "mirrors": [{ "plane": { "point": [0, -1, 0], "normal": [0, 2, 0] } }, { "triangles": [3, 7] }],
   "rays": ["primary", "diffuse-8"]
 }"#;
 
@@ -114,11 +117,37 @@ fn a_good_description_says_what_stands_in_it() {
     assert_eq!(description.cameras[1].name, "side");
     assert_eq!(description.cameras[1].eye, [9.0, 1.0, 2.0]);
     assert_eq!(description.cameras[1].fov_degrees, 0.5);
-    assert_eq!(
-        description.lights,
-        [Light::Point {
-            position: [0.0, 0.0, 1.5]
-        }]
+    let lens = Lens {
+        radius: 0.25,
+        focus: 3.0,
+    };
+    assert_eq!(description.cameras[0].lens, None);
+    assert_eq!(description.cameras[1].lens, Some(lens));
+    let point = Light::Point {
+        position: [0.0, 0.0, 1.5],
+    };
+    let area = Light::Area {
+        corner: [1.0, 2.0, 3.0],
+        edges: [[4.0, 0.0, 0.0], [0.0, 0.0, 5.0]],
+    };
+    assert_eq!(description.lights, [point, area]);
+    let plane = Mirror::Plane {
+        point: [0.0, -1.0, 0.0],
+        normal: [0.0, 2.0, 0.0],
+    };
+    assert_eq!(description.mirrors, [plane, Mirror::Triangles([3, 7])]);
+
+    let camera = description.cameras[1].camera().unwrap();
+    let view = description.view(camera);
+    assert_eq!(view.camera.lens().map(|lens| lens.focus), Some(3.0));
+    assert_eq!(view.point_light, Some(Vec3::new(0.0, 0.0, 1.5)));
+    let edges = view.area_light.map(|light| light.edges);
+    assert_eq!(edges, Some([4.0 * DVec3::X, 5.0 * DVec3::Z]));
+    assert_eq!(view.mirrors[1], workloads::Mirror::Triangles(3..7));
+    assert!(
+        RayType::ALL
+            .into_iter()
+            .all(|rays| view.allows(rays).is_ok())
     );
     assert_eq!(description.rays, ["primary", "diffuse-8"]);
 }
@@ -139,9 +168,9 @@ fn every_ray_type_may_be_named() {
 #[rustfmt::skip]
 fn what_is_no_description_is_named_by_line() {
     for (good, bad, expected) in [
-        ("\"rays\"", "\"ray\"", "line 11: unknown field `ray`, expected one of `about`, `meshes`, `cameras`, `lights`, `rays`, `$schema`"),
-        ("\"rays\"", "\"r\\ny\"", "line 11: unknown field `r y`, expected one of `about`, `meshes`, `cameras`, `lights`, `rays`, `$schema`"),
-        ("\"eye\"", "\"eyes\"", "line 7: unknown field `eyes`, expected one of `name`, `eye`, `look_at`, `up`, `fov_degrees`"),
+        ("\"rays\"", "\"ray\"", "line 11: unknown field `ray`, expected one of `about`, `meshes`, `cameras`, `lights`, `mirrors`, `rays`, `$schema`"),
+        ("\"rays\"", "\"r\\ny\"", "line 11: unknown field `r y`, expected one of `about`, `meshes`, `cameras`, `lights`, `mirrors`, `rays`, `$schema`"),
+        ("\"eye\"", "\"eyes\"", "line 7: unknown field `eyes`, expected one of `name`, `eye`, `look_at`, `up`, `fov_degrees`, `lens`"),
         ("\"position\"", "\"at\": 3, \"position\"", "line 10: unknown field `at`, expected `position`"),
         ("\"file\"", "\"fil\"", "line 3: unknown field `fil`, expected one of `file`, `generator`, `triangles`, `seed`"),
         ("\"triangles\": 100", "\"triangles\": -1", "line 4: invalid value: integer `-1`, expected usize"),
@@ -151,7 +180,7 @@ fn what_is_no_description_is_named_by_line() {
         ("[0, 1, 2]", "[0, 1, NaN]", "line 7: expected value"),
         ("[0, 1, 2]", "[0, 1, 1e999]", "line 7: number out of range"),
         ("[0, 1, 2]", "[0, 1, null]", "line 7: invalid type: null, expected f64"),
-        ("\"type\": \"point\"", "\"type\": \"sun\"", "line 10: unknown variant `sun`, expected `point`"),
+        ("\"type\": \"point\"", "\"type\": \"sun\"", "line 10: unknown variant `sun`, expected `point` or `area`"),
         (", \"fov_degrees\": 60", "", "line 7: missing field `fov_degrees`"),
         ("\"fov_degrees\": 60", "\"fov_degrees\": 60, \"fov_degrees\": 60", "line 7: duplicate field `fov_degrees`"),
         ("\"diffuse-8\"]", "\"diffuse-8\"", "line 12: expected `,` or `]`"),
@@ -179,6 +208,11 @@ fn a_value_that_makes_no_sense_is_named_by_its_key() {
         ("0.5", "-60", "cameras[1]: the camera's field of view is -60 degrees, expected more than 0 and less than 180"),
         ("side", "front", "cameras[1].name: expected a name of its own, found \"front\" again"),
         ("side", "", "cameras[1].name: expected a name, found \"\""),
+        ("\"focus\": 3", "\"focus\": 0", "cameras[1]: the camera's lens has radius 0.25 and focus 0, expected numbers greater than 0"),
+        ("[1, 2, 3]", "[1, 2, 3e18]", "lights[1].corner: expected numbers smaller in size than 1.844e18, found [1.0, 2.0, 3e18]"),
+        ("[4, 0, 0]", "[4, 0, 3e18]", "lights[1].edges: expected numbers smaller in size than 1.844e18, found [4.0, 0.0, 3e18]"),
+        ("[0, 2, 0]", "[0, 0, 0]", "mirrors[0].plane.normal: expected a vector that has a direction, found [0.0, 0.0, 0.0]"),
+        ("[3, 7]", "[7, 7]", "mirrors[1].triangles: expected a first number below the second, found 7 and 7"),
         ("1.5]", "3e18]", "lights[0].position: expected numbers smaller in size than 1.844e18, found [0.0, 0.0, 3e18]"),
         ("diffuse-8", "difuse-8", "rays[1]: there is no ray type \"difuse-8\": did you mean \"diffuse-8\"?"),
         ("[\"primary\", \"diffuse-8\"]", "[]", "rays: expected at least one, found none"),

@@ -1,10 +1,9 @@
 //! On every scene and for every ray type, nearest and any hit: the same bits from all methods on
 //! all instruction sets, the same counters on all instruction sets.
 
-use dacrt::scene::{self, Light, Scene, SceneError};
-use dacrt::workloads::{Camera, Film, RayType, Workload};
+use dacrt::scene::{self, Scene, SceneError};
+use dacrt::workloads::{Film, RayType, Workload};
 use dacrt::*;
-use glam::DVec3;
 use std::path::{Path, PathBuf};
 
 /// Scenes of more triangles get 64² pixels instead of 128².
@@ -72,16 +71,13 @@ fn check(name: &str) {
         |method: Method| Tracer::new(method.parameters()).workspace(film.rays(), mesh.len());
     let mut object_workspace = workspace(Method::Afra2012);
     let mut space_workspace = workspace(Method::Mora2011);
-    let view = &scene.description.cameras[0];
-    let [eye, look_at, up] = [view.eye, view.look_at, view.up].map(DVec3::from_array);
-    let camera = Camera::new(eye, look_at, up, view.fov_degrees).unwrap();
-    let light = scene.description.lights.first().map(|light| match light {
-        Light::Point { position } => DVec3::from_array(*position).as_vec3(),
-    });
-    let mut workload = Workload::new(mesh, camera, film, light, 0).unwrap();
+    let camera = scene.description.cameras[0].camera().unwrap();
+    let view = scene.description.view(camera);
+    let mut workload = Workload::new(mesh, view.clone(), film, 0).unwrap();
 
     let mut all_hits = 0;
-    for ray_type in RayType::ALL {
+    let allowed = |ray_type: &RayType| view.allows(*ray_type).is_ok();
+    for ray_type in RayType::ALL.into_iter().filter(allowed) {
         let batch = workload
             .rays(ray_type, &mut |batch| {
                 let mut hits = Hits::misses(batch.len());

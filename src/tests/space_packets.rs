@@ -5,7 +5,7 @@ mod common;
 
 use common::{Check, brute_force, finest_space, soup};
 use dacrt::random::{hash, unit_f64};
-use dacrt::workloads::{Camera, Film, RayType, Workload};
+use dacrt::workloads::{Camera, Film, RayType, View, Workload};
 use dacrt::*;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
@@ -68,7 +68,7 @@ fn batch(origin: Vec3, directions: impl Iterator<Item = Vec3>) -> Batch {
 #[test]
 fn pictures_of_any_size() {
     let mesh = soup(600, 1);
-    let light = Some(Vec3::new(0.3, 2.0, 0.4));
+    let point_light = Some(Vec3::new(0.3, 2.0, 0.4));
     for (width, height) in [(1, 1), (7, 5), (8, 8), (9, 1), (20, 12), (37, 24), (64, 64)] {
         for (eye, fov) in [
             (DVec3::new(0.1, 0.2, 4.0), 40.0),
@@ -77,7 +77,11 @@ fn pictures_of_any_size() {
         ] {
             let camera = Camera::new(eye, DVec3::new(0.0, 0.1, -0.5), DVec3::Y, fov).unwrap();
             let film = Film::new(width, height, 1).unwrap();
-            let mut workload = Workload::new(&mesh, camera, film, light, 0).unwrap();
+            let view = View {
+                point_light,
+                ..View::of(camera)
+            };
+            let mut workload = Workload::new(&mesh, view, film, 0).unwrap();
             for ray_type in [RayType::Primary, RayType::ShadowPoint] {
                 let rays = workload.rays(ray_type, &mut |batch| {
                     let mut hits = Hits::misses(batch.len());
@@ -103,7 +107,7 @@ fn cones_save_tests_of_rays() {
     let eye = DVec3::new(0.1, 0.2, 4.0);
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 35.0).unwrap();
     let film = Film::new(256, 256, 1).unwrap();
-    let mut workload = Workload::new(&mesh, camera, film, None, 0).unwrap();
+    let mut workload = Workload::new(&mesh, View::of(camera), film, 0).unwrap();
     let rays = workload.rays(RayType::Primary, &mut |_| unreachable!());
     let batch = rays.unwrap().batch;
     let tests = |parameters: SpaceParameters| {

@@ -1,6 +1,9 @@
 //! Ray workloads: order, shape, distribution and determinism of the batches.
 
-use dacrt::workloads::{Camera, Film, MAX_BOUNCES, RayType, Rays, Workload, WorkloadError};
+use dacrt::workloads::{
+    AreaLight, Camera, Film, Lens, MAX_BOUNCES, Mirror, RayType, Rays, View, Workload,
+    WorkloadError, generated_cameras,
+};
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
 use glam::{DVec3, Vec3};
 
@@ -63,8 +66,41 @@ fn camera() -> Camera {
 const LOOK_AT: Vec3 = Vec3::new(0.2, 1.2, 0.0);
 const LIGHT: Vec3 = Vec3::new(0.5, 2.5, 0.3);
 
+/// The floor and the first wall are mirrors.
+fn view() -> View {
+    View {
+        camera: camera(),
+        point_light: Some(LIGHT),
+        area_light: Some(AREA),
+        mirrors: vec![
+            Mirror::Plane {
+                point: DVec3::new(7.0, 0.0, 1.0),
+                normal: -3.0 * DVec3::Y,
+            },
+            Mirror::Triangles(3..5),
+        ],
+    }
+}
+
+/// The same through a lens.
+fn view_with_lens() -> View {
+    View {
+        camera: camera().with_lens(LENS).unwrap(),
+        ..view()
+    }
+}
+
+const AREA: AreaLight = AreaLight {
+    corner: DVec3::new(-0.5, 2.8, -0.4),
+    edges: [DVec3::new(1.0, 0.1, 0.0), DVec3::new(0.2, 0.0, 0.9)],
+};
+const LENS: Lens = Lens {
+    radius: 0.05,
+    focus: 2.5,
+};
+
 fn rays_of(mesh: &Mesh, film: Film, seed: u64, ray_type: RayType) -> Rays {
-    Workload::new(mesh, camera(), film, Some(LIGHT), seed)
+    Workload::new(mesh, view(), film, seed)
         .unwrap()
         .rays(ray_type, &mut |batch| brute_force(mesh, batch))
         .unwrap()
@@ -89,7 +125,7 @@ fn names_go_both_ways() {
     for ray_type in RayType::ALL {
         assert_eq!(ray_type.to_string().parse(), Ok(ray_type));
     }
-    assert_eq!(RayType::ALL.len(), 4 + MAX_BOUNCES as usize);
+    assert_eq!(RayType::ALL.len(), 7 + MAX_BOUNCES as usize);
     assert_eq!(
         format!("{:>8}|{:>11}", RayType::Random, RayType::Diffuse(3)),
         "  random|  diffuse-3"
@@ -103,7 +139,12 @@ fn names_go_both_ways() {
         .into_iter()
         .filter(|r| r.is_any_hit())
         .collect();
-    assert_eq!(any, [RayType::ShadowPoint, RayType::AmbientOcclusion]);
+    let expected = [
+        RayType::ShadowPoint,
+        RayType::ShadowArea,
+        RayType::AmbientOcclusion,
+    ];
+    assert_eq!(any, expected);
 }
 
 #[test]
@@ -251,7 +292,7 @@ fn cosines_of_bounces_have_the_mean_of_a_cosine_distribution() {
     )]);
     let down = Camera::new(DVec3::Y, DVec3::ZERO, DVec3::X, 90.0).unwrap();
     let film = Film::new(200, 200, 1).unwrap();
-    let mut workload = Workload::new(&floor, down, film, None, 11).unwrap();
+    let mut workload = Workload::new(&floor, View::of(down), film, 11).unwrap();
     for ray_type in [RayType::Diffuse(1), RayType::AmbientOcclusion] {
         let rays = workload
             .rays(ray_type, &mut |b| brute_force(&floor, b))
@@ -292,6 +333,128 @@ fn shadow_rays_go_from_the_light_to_the_points() {
 }
 
 #[test]
+fn area_shadow_rays_go_from_the_points_to_all_of_the_light() {
+    let mesh = room();
+    let film = Film::new(64, 64, 1).unwrap();
+    let shadow = rays_of(&mesh, film, 0, RayType::ShadowArea);
+    let bounce = rays_of(&mesh, film, 0, RayType::Diffuse(1));
+    assert_eq!(shadow.batch.origin, bounce.batch.origin);
+    let [e, f] = AREA.edges;
+    let normal = e.cross(f);
+    let mut quarters = [0usize; 4];
+    for (i, ray) in shadow.batch.iter().enumerate() {
+        assert_eq!(shadow.primary(i), bounce.primary(i));
+        assert_eq!((ray.tmin, ray.tmax), (0.0, 1.0 - 1e-4));
+        let target = ray.origin.as_dvec3() + ray.direction.as_dvec3() - AREA.corner;
+        assert!(target.dot(normal.normalize()).abs() < 1e-6);
+        let u = target.cross(f).dot(normal) / normal.length_squared();
+        let v = e.cross(target).dot(normal) / normal.length_squared();
+        assert!(u > -1e-6 && u < 1.0 + 1e-6 && v > -1e-6 && v < 1.0 + 1e-6);
+        quarters[usize::from(u > 0.5) + 2 * usize::from(v > 0.5)] += 1;
+    }
+    let quarter = shadow.batch.len() / 4;
+    assert!(quarters.iter().all(|&n| n.abs_diff(quarter) < quarter / 8));
+}
+
+#[test]
+fn reflections_come_off_mirrors_and_nothing_else() {
+    let mesh = room();
+    let film = Film::new(64, 64, 1).unwrap();
+    for view in [view(), view_with_lens()] {
+        let mut workload = Workload::new(&mesh, view.clone(), film, 3).unwrap();
+        let mut rays = |r| workload.rays(r, &mut |b| brute_force(&mesh, b)).unwrap();
+        let camera = rays(view.camera_rays()).batch;
+        let (bounce, reflected) = (rays(RayType::Diffuse(1)), rays(RayType::Reflection));
+        let hits = brute_force(&mesh, &camera);
+        // Two triangles of the floor in its plane, two of a wall by their numbers.
+        let on_mirror = |i: usize| (1..5).contains(&hits.prim[i]);
+        let expected: Vec<usize> = (0..bounce.batch.len())
+            .filter(|&k| on_mirror(bounce.primary(k)))
+            .collect();
+        assert!(expected.len() > 500 && expected.len() < bounce.batch.len());
+        assert_eq!(reflected.batch.len(), expected.len());
+        for (k, ray) in reflected.batch.iter().enumerate() {
+            let i = reflected.primary(k);
+            assert_eq!(i, bounce.primary(expected[k]));
+            assert_eq!(ray.origin, bounce.batch.ray(expected[k]).origin);
+            assert_eq!((ray.tmin, ray.tmax), (0.0, f32::INFINITY));
+            let incoming = camera.ray(i).direction;
+            let mirrored = match hits.prim[i] {
+                1 | 2 => incoming * Vec3::new(1.0, -1.0, 1.0),
+                _ => incoming * Vec3::new(1.0, 1.0, -1.0),
+            };
+            assert!(ray.direction.distance(mirrored) < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn rays_through_the_lens_meet_the_pinhole_ray_in_the_plane_of_focus() {
+    let mesh = room();
+    let film = Film::new(30, 20, 4).unwrap();
+    let mut workload = Workload::new(&mesh, view_with_lens(), film, 1).unwrap();
+    let mut rays = |r| workload.rays(r, &mut |_| unreachable!()).unwrap().batch;
+    let (pinhole, lens) = (rays(RayType::Primary), rays(RayType::Dof));
+    assert_eq!(lens.len(), film.rays());
+    assert_eq!(lens.shared_origin(), None);
+    let eye = camera().eye().as_dvec3();
+    let forward = (LOOK_AT.as_dvec3() - eye).normalize();
+    let mut outer = 0;
+    for (p, l) in pinhole.iter().zip(lens.iter()) {
+        let from_eye = l.origin.as_dvec3() - eye;
+        assert!(from_eye.length() < LENS.radius + 1e-6);
+        assert!(from_eye.dot(forward).abs() < 1e-6);
+        outer += u32::from(from_eye.length_squared() > 0.5 * LENS.radius * LENS.radius);
+        let in_focus = |o: DVec3, d: Vec3| {
+            let d = d.as_dvec3();
+            o + d * ((LENS.focus - (o - eye).dot(forward)) / d.dot(forward))
+        };
+        let [a, b] = [
+            in_focus(eye, p.direction),
+            in_focus(l.origin.as_dvec3(), l.direction),
+        ];
+        assert!(a.distance(b) < 1e-5, "{a} {b}");
+        assert!((l.direction.as_dvec3().length() - 1.0).abs() < 2f64.powi(-22));
+    }
+    // Half of the disc's area is outside of 1/sqrt 2 of its radius.
+    assert!(outer.abs_diff(1200) < 120, "{outer}");
+}
+
+#[test]
+fn generated_cameras_stand_in_a_room_and_around_an_object() {
+    let mesh = room();
+    let bounds = mesh.bounds();
+    let mut nearest = |batch: &Batch| brute_force(&mesh, batch);
+    let mut cameras = |eye| generated_cameras(&mesh, eye, DVec3::Y, 60.0, &mut nearest).unwrap();
+    let inside = cameras(DVec3::new(-1.7, 2.2, 1.6));
+    assert_eq!(inside, cameras(DVec3::ONE), "they depend on the mesh alone");
+    assert_eq!(inside.len(), 16);
+    for (i, camera) in inside.iter().enumerate() {
+        let eye = camera.eye();
+        assert!(eye.cmpgt(bounds.min).all() && eye.cmplt(bounds.max).all());
+        assert!(inside[..i].iter().all(|other| other.eye() != eye));
+        let ahead = Batch::from_iter([Ray::new(eye, camera.direction(0.5, 0.5, 1.0))]);
+        assert!(brute_force(&mesh, &ahead).t[0] > 0.0);
+    }
+    let (middle, eye) = (bounds.center(), DVec3::new(0.0, 1.5, 9.0));
+    let around = cameras(eye);
+    assert_eq!(around.len(), 16);
+    for camera in around {
+        assert!((camera.eye().distance(middle) - 9.0).abs() < 1e-5);
+        let towards = (middle - camera.eye()).normalize();
+        assert!(camera.direction(0.5, 0.5, 1.0).distance(towards) < 1e-6);
+    }
+    let none = generated_cameras(
+        &Mesh::default(),
+        eye,
+        DVec3::Y,
+        60.0,
+        &mut |_| unreachable!(),
+    );
+    assert_eq!(none, Ok(Vec::new()));
+}
+
+#[test]
 fn random_rays_fill_the_box_and_the_sphere() {
     let mesh = room();
     let film = Film::new(100, 25, 4).unwrap();
@@ -329,16 +492,26 @@ fn random_rays_fill_the_box_and_the_sphere() {
 fn same_bits_everywhere() {
     let mesh = room();
     let film = Film::new(20, 11, 4).unwrap();
-    let found: Vec<_> = RayType::ALL
-        .into_iter()
+    let all = RayType::ALL.into_iter();
+    let mut found: Vec<_> = (all.filter(|r| *r != RayType::Dof))
         .map(|r| {
             let batch = rays_of(&mesh, film, 1, r).batch;
             (r.to_string(), batch.len(), fingerprint(&batch))
         })
         .collect();
+    let mut through_lens = Workload::new(&mesh, view_with_lens(), film, 1).unwrap();
+    found.extend(
+        [RayType::Dof, RayType::Reflection, RayType::Diffuse(2)].map(|r| {
+            let mut nearest = |batch: &Batch| brute_force(&mesh, batch);
+            let batch = through_lens.rays(r, &mut nearest).unwrap().batch;
+            (format!("lens {r}"), batch.len(), fingerprint(&batch))
+        }),
+    );
     let expected = [
         ("primary", 880, 0xc2800aebffa07458),
         ("shadow-point", 780, 0xed213410709f3947),
+        ("shadow-area", 780, 0x77998551dbec119a),
+        ("reflection", 330, 0x8a321cf40c49f594),
         ("ambient-occlusion", 780, 0x90ddbad54c227781),
         ("diffuse-1", 780, 0x176e1969b92329e2),
         ("diffuse-2", 564, 0xf6c6cfa8dbf6198e),
@@ -349,6 +522,9 @@ fn same_bits_everywhere() {
         ("diffuse-7", 132, 0x863e3ca4879afa84),
         ("diffuse-8", 106, 0x736a89e8ab4cd7f9),
         ("random", 880, 0x3bed1c0786839750),
+        ("lens dof", 880, 0xd11bd35635712bae),
+        ("lens reflection", 330, 0x9e59fdc6b4106840),
+        ("lens diffuse-2", 563, 0xf46420273ec8231b),
     ];
     let expected: Vec<_> = expected.map(|(name, n, f)| (name.to_string(), n, f)).into();
     assert_eq!(found, expected, "{found:x?}");
@@ -361,7 +537,7 @@ fn bounces_are_the_same_in_whatever_order_and_none_is_traced_twice() {
     let fresh: Vec<_> = (1..=MAX_BOUNCES)
         .map(|n| fingerprint(&rays_of(&mesh, film, 2, RayType::Diffuse(n)).batch))
         .collect();
-    let mut workload = Workload::new(&mesh, camera(), film, Some(LIGHT), 2).unwrap();
+    let mut workload = Workload::new(&mesh, view(), film, 2).unwrap();
     let mut calls = 0;
     let mut rays = |ray_type| {
         let mut nearest = |batch: &Batch| {
@@ -390,7 +566,7 @@ fn draws_depend_on_the_primary_ray_not_on_how_many_are_left() {
     let film = Film::new(12, 12, 1).unwrap();
     let whole = rays_of(&mesh, film, 9, RayType::Diffuse(1));
     // Half of the primary rays lose their hit.
-    let half = Workload::new(&mesh, camera(), film, None, 9)
+    let half = Workload::new(&mesh, View::of(camera()), film, 9)
         .unwrap()
         .rays(RayType::Diffuse(1), &mut |batch| {
             let mut hits = brute_force(&mesh, batch);
@@ -445,13 +621,14 @@ fn nothing_in_view_makes_empty_batches() {
     .unwrap();
     let film = Film::new(8, 8, 1).unwrap();
     for (mesh, random) in [(room(), 64), (Mesh::default(), 0)] {
-        let mut workload = Workload::new(&mesh, away, film, Some(LIGHT), 0).unwrap();
+        let camera = away.with_lens(LENS).unwrap();
+        let mut workload = Workload::new(&mesh, View { camera, ..view() }, film, 0).unwrap();
         for ray_type in RayType::ALL {
             let rays = workload
                 .rays(ray_type, &mut |b| brute_force(&mesh, b))
                 .unwrap();
             let expected = match ray_type {
-                RayType::Primary => 64,
+                RayType::Primary | RayType::Dof => 64,
                 RayType::Random => random,
                 _ => 0,
             };
@@ -465,7 +642,7 @@ fn nothing_in_view_makes_empty_batches() {
 fn a_hit_on_a_triangle_without_a_normal_does_not_panic() {
     let mesh = Mesh::new(vec![Triangle::new(Vec3::ONE, Vec3::ONE, Vec3::ZERO)]);
     let film = Film::new(2, 2, 1).unwrap();
-    let rays = Workload::new(&mesh, camera(), film, None, 0)
+    let rays = Workload::new(&mesh, View::of(camera()), film, 0)
         .unwrap()
         .rays(RayType::Diffuse(1), &mut |b| Hits {
             t: vec![1.0; b.len()],
@@ -479,7 +656,7 @@ fn a_hit_on_a_triangle_without_a_normal_does_not_panic() {
 fn what_cannot_be_is_said_clearly() {
     let mesh = room();
     let film = Film::new(8, 8, 1).unwrap();
-    let mut workload = Workload::new(&mesh, camera(), film, None, 0).unwrap();
+    let mut workload = Workload::new(&mesh, View::of(camera()), film, 0).unwrap();
     let mut message = |r| {
         workload
             .rays(r, &mut |b| brute_force(&mesh, b))
@@ -488,7 +665,19 @@ fn what_cannot_be_is_said_clearly() {
     };
     assert_eq!(
         message(RayType::ShadowPoint),
-        "shadow-point rays need a point light, and the scene has none"
+        "shadow-point rays need a point light, and there is none"
+    );
+    assert_eq!(
+        message(RayType::ShadowArea),
+        "shadow-area rays need an area light, and there is none"
+    );
+    assert_eq!(
+        message(RayType::Reflection),
+        "reflection rays need mirrors, and there is none"
+    );
+    assert_eq!(
+        message(RayType::Dof),
+        "dof rays need a camera with a lens, and there is none"
     );
     assert_eq!(message(RayType::Diffuse(0)), "bounce 0, expected 1 to 8");
     assert_eq!(message(RayType::Diffuse(9)), "bounce 9, expected 1 to 8");
@@ -526,12 +715,27 @@ fn what_cannot_be_is_said_clearly() {
         camera(o, x, y * f64::INFINITY, 60.0),
         "the camera's up is not finite in float32"
     );
-    let light = Workload::new(
-        &mesh,
-        self::camera(),
-        Film::new(1, 1, 1).unwrap(),
-        Some(Vec3::NAN),
-        0,
-    );
-    assert!(matches!(light.err(), Some(WorkloadError::Light(_))));
+    let broken = |change: &dyn Fn(&mut View)| {
+        let mut view = view();
+        change(&mut view);
+        let film = Film::new(1, 1, 1).unwrap();
+        Workload::new(&mesh, view, film, 0).err()
+    };
+    let light = broken(&|view| view.point_light = Some(Vec3::NAN));
+    assert!(matches!(light, Some(WorkloadError::Light(_))));
+    let edges = [DVec3::X, DVec3::splat(1e300)];
+    let light = broken(&|view| view.area_light = Some(AreaLight { edges, ..AREA }));
+    assert!(matches!(light, Some(WorkloadError::Light(_))));
+    let (point, normal) = (DVec3::ZERO, DVec3::ZERO);
+    let mirror = broken(&|view| view.mirrors = vec![Mirror::Plane { point, normal }]);
+    assert!(matches!(mirror, Some(WorkloadError::Mirror(..))));
+    for (radius, focus) in [
+        (0.0, 1.0),
+        (1.0, -1.0),
+        (f64::NAN, 1.0),
+        (1.0, f64::INFINITY),
+    ] {
+        let lens = self::camera().with_lens(Lens { radius, focus });
+        assert!(matches!(lens.err(), Some(WorkloadError::Lens(_))));
+    }
 }

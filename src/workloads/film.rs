@@ -85,7 +85,7 @@ impl Film {
 
     /// Where in the picture a primary ray goes: `x` from 0 at the left to 1 at the right, `y` from
     /// 0 at the top to 1 at the bottom.
-    pub(super) fn place(&self, ray: usize) -> (f64, f64) {
+    pub(super) fn place(&self, ray: usize) -> [f64; 2] {
         let (column, row) = self.pixel(ray);
         let sample = (ray % self.spp() as usize) as u32;
         // The middle of a sub-pixel in units of half a sub-pixel: exact, then rounded once.
@@ -93,9 +93,9 @@ impl Film {
             let halves = 2 * (u64::from(pixel) * u64::from(self.strata) + u64::from(sub)) + 1;
             halves as f64 / (2 * u64::from(pixels) * u64::from(self.strata)) as f64
         };
-        (
+        [
             middle(column, sample % self.strata, self.width),
             middle(row, sample / self.strata, self.height),
-        )
+        ]
     }
 }

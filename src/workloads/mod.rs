@@ -5,16 +5,20 @@
 //! give the same bits on every machine.
 
 mod camera;
+mod cameras;
 mod film;
 mod ray_type;
 mod surface;
+mod view;
 mod workload;
 
-pub use camera::Camera;
 #[cfg(feature = "schema")]
 pub(crate) use camera::FOV_LIMIT;
+pub use camera::{Camera, Lens};
+pub use cameras::{GENERATED_CAMERAS, generated_cameras};
 pub use film::{Film, TILE};
 pub use ray_type::{MAX_BOUNCES, RayType};
+pub use view::{AreaLight, Mirror, View};
 pub use workload::{Rays, Workload};
 
 /// What keeps rays from being made.
@@ -46,12 +50,18 @@ pub enum WorkloadError {
     /// More rays than 32-bit numbers count.
     #[error("{0} rays, expected less than 2^32 - 1: lower the resolution or the samples per pixel")]
     TooMany(u128),
-    /// Shadow rays without a light.
-    #[error("{0} rays need a point light, and the scene has none")]
-    NoLight(RayType),
+    /// The lens is none.
+    #[error("the camera's lens has radius {} and focus {}, expected numbers greater than 0", .0.radius, .0.focus)]
+    Lens(Lens),
+    /// Rays without what they come from or go to.
+    #[error("{0} rays need {1}, and there is none")]
+    Lacks(RayType, &'static str),
     /// The light is nowhere.
     #[error("the light's position, {0}, is not finite")]
     Light(glam::Vec3),
+    /// The mirror is nowhere.
+    #[error("the mirror's plane, through {0} with normal {1}, is none")]
+    Mirror(glam::DVec3, glam::DVec3),
     /// A bounce number that no ray type has.
     #[error("bounce {0}, expected 1 to {MAX_BOUNCES}")]
     Bounce(u8),

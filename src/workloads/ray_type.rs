@@ -14,8 +14,14 @@ pub enum RayType {
     Primary,
     /// `shadow-point`: from the point light to what the primary rays hit.
     ShadowPoint,
+    /// `shadow-area`: from what the primary rays hit to a random point of the area light.
+    ShadowArea,
+    /// `reflection`: off the mirrors that the primary rays hit.
+    Reflection,
     /// `ambient-occlusion`: one short cosine-distributed ray from what each primary ray hit.
     AmbientOcclusion,
+    /// `dof`: from random points of the camera's lens through the pixels, for depth of field.
+    Dof,
     /// `diffuse-1` … `diffuse-8`: the n-th cosine-distributed bounce.
     Diffuse(u8),
     /// `random`: uniform origins in the scene's box, uniform directions.
@@ -24,10 +30,13 @@ pub enum RayType {
 
 impl RayType {
     /// Every ray type that has a name.
-    pub const ALL: [RayType; 12] = [
+    pub const ALL: [RayType; 15] = [
         RayType::Primary,
         RayType::ShadowPoint,
+        RayType::ShadowArea,
+        RayType::Reflection,
         RayType::AmbientOcclusion,
+        RayType::Dof,
         RayType::Diffuse(1),
         RayType::Diffuse(2),
         RayType::Diffuse(3),
@@ -41,7 +50,10 @@ impl RayType {
 
     /// Whether it only matters if there is a hit, not which.
     pub fn is_any_hit(self) -> bool {
-        matches!(self, RayType::ShadowPoint | RayType::AmbientOcclusion)
+        matches!(
+            self,
+            RayType::ShadowPoint | RayType::ShadowArea | RayType::AmbientOcclusion
+        )
     }
 
     /// All names, separated by commas.
@@ -55,7 +67,10 @@ impl fmt::Display for RayType {
         match self {
             RayType::Primary => f.pad("primary"),
             RayType::ShadowPoint => f.pad("shadow-point"),
+            RayType::ShadowArea => f.pad("shadow-area"),
+            RayType::Reflection => f.pad("reflection"),
             RayType::AmbientOcclusion => f.pad("ambient-occlusion"),
+            RayType::Dof => f.pad("dof"),
             RayType::Diffuse(n) => f.pad(&format!("diffuse-{n}")),
             RayType::Random => f.pad("random"),
         }

@@ -15,6 +15,8 @@ pub(super) struct SurfacePoint {
     pub position: Vec3,
     /// Number of the primary ray at the start of the path.
     pub primary: u32,
+    /// The triangle that was hit.
+    pub prim: u32,
     /// Unit normal of the triangle on the side that the ray came from.
     normal: Vec3,
 }
@@ -61,6 +63,7 @@ pub(super) fn surface_points(
         points.push(SurfacePoint {
             position: (hit + offset * normal).as_vec3(),
             primary: primary(i),
+            prim: hits.prim[i],
             normal: normal.as_vec3(),
         });
     }
@@ -75,7 +78,7 @@ pub(super) fn diagonal(mesh: &Mesh) -> f64 {
 
 /// The unit normal of a triangle on the side that a ray along `direction` comes from. A triangle
 /// without a normal, which no ray can hit, turns straight back.
-fn facing_normal(triangle: &Triangle, direction: DVec3) -> DVec3 {
+pub(super) fn facing_normal(triangle: &Triangle, direction: DVec3) -> DVec3 {
     let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|p| p.as_dvec3());
     let normal = (b - a)
         .cross(c - a)

@@ -1,20 +1,22 @@
 //! Makes the batches.
 
-use super::surface::{SurfacePoint, diagonal, surface_points, two_units};
-use super::{Camera, Film, MAX_BOUNCES, RayType, WorkloadError};
+use super::surface::{SurfacePoint, diagonal, facing_normal, surface_points, two_units};
+use super::{Film, RayType, View, WorkloadError};
 use crate::geometry::{Aabb, Mesh};
 use crate::rays::{Batch, Hits, Ray};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Reach of ambient-occlusion rays, as a share of the scene's diagonal.
 const OCCLUSION_REACH: f64 = 0.1;
-/// How much of the way from the light to the point a shadow ray goes.
+/// How much of the way between light and point a shadow ray goes.
 const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// Keys of the random numbers; that of a bounce is its number, so these are beyond all bounces.
 const KEY_OCCLUSION: u64 = 1 << 8;
 const KEY_RANDOM_ORIGIN: u64 = 2 << 8;
 const KEY_RANDOM_DIRECTION: u64 = 3 << 8;
+const KEY_LIGHT: u64 = 4 << 8;
+const KEY_LENS: u64 = 5 << 8;
 
 /// A batch, and to which primary ray (and so to which pixel) each of its rays belongs.
 #[derive(Clone, Debug)]
@@ -42,15 +44,22 @@ impl Rays {
 /// The rays of one view of one scene.
 ///
 /// * `primary`: unit directions from the eye, in the order of [`Film`], for all `t > 0`.
-/// * Secondary rays start from the hits of the rays before: hit point plus 1e-4 × the scene's
+/// * `dof`: likewise from points of the lens, one a ray, uniform on it, to where its sample is in
+///   focus.
+/// * Secondary rays start from the hits of the rays before; of the first, these are `dof` rays if
+///   the camera has a lens, else `primary` rays. They start at the hit point plus 1e-4 × the scene's
 ///   diagonal along the geometric normal on the side of the incoming ray, in float64, rounded once.
 ///   They keep the order of their parents; where a ray misses, its path ends.
-/// * `shadow-point`: from the light to those points of the primary rays; the direction is the way
+/// * `shadow-point`: from the light to those points of the camera's rays; the direction is the way
 ///   to the point, and `tmax = 1 − 1e-4`. All share the light as origin. A point that is the light
 ///   makes an invalid ray.
-/// * `ambient-occlusion`: one cosine-distributed unit direction for each hit of a primary ray,
+/// * `shadow-area`: from those points to points of the area light, one a ray, uniform on it; the
+///   direction is the way there, and `tmax = 1 − 1e-4`. A point on the light may make an invalid
+///   ray.
+/// * `reflection`: from those points that are on mirrors, in the mirrored unit direction.
+/// * `ambient-occlusion`: one cosine-distributed unit direction for each hit of a camera's ray,
 ///   `tmax` = a tenth of the scene's diagonal.
-/// * `diffuse-n`: likewise without an end, from the hits of `diffuse-(n−1)`, or of `primary`.
+/// * `diffuse-n`: likewise without an end, from the hits of `diffuse-(n−1)`, or of the camera's rays.
 /// * `random`: as many as primary rays, origins uniform in the box around the scene, unit
 ///   directions uniform on the sphere, without an end. None if no triangle is valid.
 ///
@@ -59,40 +68,35 @@ impl Rays {
 /// bounces are asked for in rising order, none is traced twice here.
 ///
 /// Memory: 32 bytes for each ray handed out and 4 more if it is secondary. Kept for the next call
-/// are 28 bytes for each hit of a primary ray and of the last bounce that was traced.
+/// are 32 bytes for each hit of a primary ray and of the last bounce that was traced.
 pub struct Workload<'a> {
     mesh: &'a Mesh,
-    camera: Camera,
+    view: View,
     film: Film,
-    light: Option<Vec3>,
     seed: u64,
-    /// What the primary rays hit.
+    /// What the camera's rays hit.
     first: Option<Vec<SurfacePoint>>,
     /// The last bounce that was traced, and what it hit.
     last: Option<(u8, Vec<SurfacePoint>)>,
 }
 
 impl<'a> Workload<'a> {
-    /// Rays of a picture of `mesh`. Only `shadow-point` needs the `light`. `seed` steers bounces
-    /// and random rays.
+    /// Rays of a picture of `mesh`. `seed` steers all that is drawn: bounces, random rays, points
+    /// of lens and light.
     ///
     /// # Errors
-    /// A light that is not finite.
+    /// A light or mirror that is not finite, or a mirror without a normal.
     pub fn new(
         mesh: &'a Mesh,
-        camera: Camera,
+        view: View,
         film: Film,
-        light: Option<Vec3>,
         seed: u64,
     ) -> Result<Workload<'a>, WorkloadError> {
-        if let Some(position) = light.filter(|p| !p.is_finite()) {
-            return Err(WorkloadError::Light(position));
-        }
+        view.check()?;
         Ok(Workload {
             mesh,
-            camera,
+            view,
             film,
-            light,
             seed,
             first: None,
             last: None,
@@ -109,7 +113,7 @@ impl<'a> Workload<'a> {
     /// at most for secondary rays of the first bounce, `n` times at most for `diffuse-n`.
     ///
     /// # Errors
-    /// `shadow-point` without a light; `Diffuse(n)` with `n` not from 1 to [`MAX_BOUNCES`].
+    /// A view that lacks what the rays need ([`View::allows`]).
     ///
     /// # Panics
     /// If `nearest` returns fewer records than rays, or a triangle that the mesh does not have.
@@ -118,51 +122,101 @@ impl<'a> Workload<'a> {
         ray_type: RayType,
         nearest: &mut dyn FnMut(&Batch) -> Hits,
     ) -> Result<Rays, WorkloadError> {
-        match ray_type {
-            RayType::Primary => Ok(self.primary()),
-            RayType::Random => Ok(self.random()),
-            RayType::ShadowPoint => {
-                let light = self.light.ok_or(WorkloadError::NoLight(ray_type))?;
-                let ray = |point: &SurfacePoint| Ray {
-                    origin: light,
-                    tmin: 0.0,
-                    direction: point.position - light,
-                    tmax: SHADOW_REACH,
-                };
-                Ok(secondary(self.first_points(nearest), ray))
-            }
-            RayType::AmbientOcclusion => {
-                let seed = self.seed;
-                let tmax = (OCCLUSION_REACH * diagonal(self.mesh)) as f32;
-                let ray = |point: &SurfacePoint| Ray {
-                    origin: point.position,
-                    tmin: 0.0,
-                    direction: point.cosine_direction(seed, KEY_OCCLUSION),
-                    tmax,
-                };
-                Ok(secondary(self.first_points(nearest), ray))
-            }
-            RayType::Diffuse(n) => {
-                if n == 0 || n > MAX_BOUNCES {
-                    return Err(WorkloadError::Bounce(n));
-                }
-                Ok(self.diffuse(n, nearest))
-            }
+        self.view.allows(ray_type)?;
+        Ok(match ray_type {
+            RayType::Primary => self.of_all(|i| self.pinhole_ray(i)),
+            RayType::Dof => self.of_all(|i| self.camera_ray(i)),
+            RayType::Random => self.random(),
+            RayType::ShadowPoint => self.shadow_point(nearest),
+            RayType::ShadowArea => self.shadow_area(nearest),
+            RayType::Reflection => self.reflection(nearest),
+            RayType::AmbientOcclusion => self.ambient_occlusion(nearest),
+            RayType::Diffuse(n) => self.diffuse(n, nearest),
+        })
+    }
+
+    /// A ray for each sample of the film.
+    fn of_all(&self, ray: impl Fn(usize) -> Ray) -> Rays {
+        Rays {
+            batch: (0..self.film.rays()).map(ray).collect(),
+            primary: None,
         }
     }
 
-    fn primary(&self) -> Rays {
-        let aspect = f64::from(self.film.width()) / f64::from(self.film.height());
-        let batch = (0..self.film.rays())
-            .map(|i| {
-                let (x, y) = self.film.place(i);
-                Ray::new(self.camera.eye(), self.camera.direction(x, y, aspect))
+    fn aspect(&self) -> f64 {
+        f64::from(self.film.width()) / f64::from(self.film.height())
+    }
+
+    fn pinhole_ray(&self, i: usize) -> Ray {
+        let camera = &self.view.camera;
+        let [x, y] = self.film.place(i);
+        Ray::new(camera.eye(), camera.direction(x, y, self.aspect()))
+    }
+
+    /// Through the lens, if there is one.
+    fn camera_ray(&self, i: usize) -> Ray {
+        let Some(lens) = self.view.camera.lens() else {
+            return self.pinhole_ray(i);
+        };
+        let draw = two_units(self.seed, KEY_LENS, i as u64);
+        let place = self.film.place(i);
+        let camera = &self.view.camera;
+        let (origin, direction) = camera.through_lens(lens, place, self.aspect(), draw);
+        Ray::new(origin, direction)
+    }
+
+    fn shadow_point(&mut self, nearest: &mut dyn FnMut(&Batch) -> Hits) -> Rays {
+        let light = self.view.point_light.unwrap_or_default();
+        secondary(self.first_points(nearest), |point| Ray {
+            origin: light,
+            tmin: 0.0,
+            direction: point.position - light,
+            tmax: SHADOW_REACH,
+        })
+    }
+
+    fn shadow_area(&mut self, nearest: &mut dyn FnMut(&Batch) -> Hits) -> Rays {
+        let (light, seed) = (self.view.area_light, self.seed);
+        secondary(self.first_points(nearest), |point| {
+            let draw = two_units(seed, KEY_LIGHT, u64::from(point.primary));
+            let target = light.map_or(DVec3::ZERO, |light| light.point(draw));
+            Ray {
+                origin: point.position,
+                tmin: 0.0,
+                direction: (target - point.position.as_dvec3()).as_vec3(),
+                tmax: SHADOW_REACH,
+            }
+        })
+    }
+
+    fn reflection(&mut self, nearest: &mut dyn FnMut(&Batch) -> Hits) -> Rays {
+        let (mesh, diagonal) = (self.mesh, diagonal(self.mesh));
+        self.find_first_points(nearest);
+        let on_mirrors: Vec<SurfacePoint> = (self.first.iter().flatten())
+            .filter(|point| {
+                let triangle = &mesh.triangles()[point.prim as usize];
+                let mut mirrors = self.view.mirrors.iter();
+                mirrors.any(|mirror| mirror.has(point.prim, triangle, diagonal))
             })
+            .copied()
             .collect();
-        Rays {
-            batch,
-            primary: None,
-        }
+        secondary(&on_mirrors, |point| {
+            let incoming = self.camera_ray(point.primary as usize).direction.as_dvec3();
+            let normal = facing_normal(&mesh.triangles()[point.prim as usize], incoming);
+            let mirrored = incoming - 2.0 * incoming.dot(normal) * normal;
+            Ray::new(point.position, mirrored.normalize().as_vec3())
+        })
+    }
+
+    fn ambient_occlusion(&mut self, nearest: &mut dyn FnMut(&Batch) -> Hits) -> Rays {
+        let seed = self.seed;
+        let tmax = (OCCLUSION_REACH * diagonal(self.mesh)) as f32;
+        secondary(self.first_points(nearest), |point| Ray {
+            origin: point.position,
+            tmin: 0.0,
+            direction: point.cosine_direction(seed, KEY_OCCLUSION),
+            tmax,
+        })
     }
 
     fn random(&self) -> Rays {
@@ -223,14 +277,18 @@ impl<'a> Workload<'a> {
         }
     }
 
-    /// What the primary rays hit.
+    /// What the camera's rays hit.
     fn first_points(&mut self, nearest: &mut dyn FnMut(&Batch) -> Hits) -> &[SurfacePoint] {
+        self.find_first_points(nearest);
+        self.first.as_deref().unwrap_or_default()
+    }
+
+    fn find_first_points(&mut self, nearest: &mut dyn FnMut(&Batch) -> Hits) {
         if self.first.is_none() {
-            let batch = self.primary().batch;
+            let batch = self.of_all(|i| self.camera_ray(i)).batch;
             let hits = nearest(&batch);
             self.first = Some(surface_points(self.mesh, &batch, &hits, |i| i as u32));
         }
-        self.first.as_deref().unwrap_or_default()
     }
 }
 

@@ -16,6 +16,7 @@
 //! | `$schema` | for editors: where `results/sweep.schema.json` is; not read here, and may be left out |
 //! | `about` | one line for people; may be left out |
 //! | `scenes` | names, or paths of scene descriptions |
+//! | `cameras` | names of cameras of these scenes, as of `dacrt run --cameras`; the first of each scene if left out |
 //! | `resolution` | pixels: a number for a square, or `[width, height]` |
 //! | `spp` | samples a pixel, square numbers; `[1]` if left out |
 //! | `rays` | ray types |
@@ -50,6 +51,10 @@ pub struct Sweep {
     /// Names, or paths of scene descriptions.
     #[schemars(length(min = 1))]
     pub scenes: Vec<String>,
+    /// Names of cameras of these scenes; the first of each if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub cameras: Option<Vec<String>>,
     /// Sizes of the picture in pixels.
     #[schemars(length(min = 1))]
     pub resolution: Vec<Size>,
@@ -195,6 +200,7 @@ impl Sweep {
     fn empty_list(&self) -> Option<String> {
         let lists = [
             ("scenes", self.scenes.is_empty()),
+            ("cameras", self.cameras.as_ref().is_some_and(Vec::is_empty)),
             ("resolution", self.resolution.is_empty()),
             ("spp", self.spp.is_empty()),
             ("rays", self.rays.is_empty()),

@@ -262,7 +262,7 @@ fn what_cannot_be_replayed_is_refused() {
     );
     refuses(
         "replay out.json --scene ./tiny.json --ray 0",
-        &["4 cells", "--cell"],
+        &["5 cells", "--cell"],
     );
     refuses("replay missing.json --ray 0", &["missing.json"]);
     refuses(

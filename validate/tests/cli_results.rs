@@ -106,7 +106,7 @@ fn a_run_writes_all_keys_that_bind() {
     folder.dacrt(run).exits(0);
     let document = folder.json("out.json");
     check("document", &document, &shape());
-    assert_eq!(document["cells"].as_array().unwrap().len(), 2 * (4 + 4 + 3));
+    assert_eq!(document["cells"].as_array().unwrap().len(), 2 * (5 + 5 + 4));
 
     let command: Vec<&str> = std::iter::once("dacrt").chain(run.split(' ')).collect();
     assert_eq!(document["command"], json!(command));
@@ -121,9 +121,10 @@ fn a_run_writes_all_keys_that_bind() {
     );
     for cell in document["cells"].as_array().unwrap() {
         let place = format!("parameters of {}", cell["method"]);
-        let parameters = match cell["method"].as_str().unwrap().starts_with("mora") {
-            true => json!({ "variant": "", "ray_limit": 0, "triangle_limit": 0 }),
-            false => json!({ "bins": 0, "leaf_triangles": 0, "leaf_rays": 0 }),
+        let parameters = match cell["method"].as_str().unwrap() {
+            "best" => json!({ "block": 0, "window": 0, "sort": "" }),
+            "afra2012" | "nabata2013" => json!({ "bins": 0, "leaf_triangles": 0, "leaf_rays": 0 }),
+            _ => json!({ "variant": "", "ray_limit": 0, "triangle_limit": 0 }),
         };
         check(&place, &cell["parameters"], &parameters);
         let number = |key: &str| cell[key].as_f64().unwrap();

@@ -41,7 +41,7 @@ fn a_reader_that_goes_away_is_no_error() {
     }
     assert_eq!(
         folder.json("out.json")["cells"].as_array().unwrap().len(),
-        4 + 4 + 3
+        5 + 5 + 4
     );
 }
 

@@ -1,7 +1,7 @@
 //! The engine and both Embree modes on the generated scenes: what differs must be explained.
 
 use dacrt::scene::generators::generate;
-use dacrt::workloads::{Camera, Film, RayType, Workload};
+use dacrt::workloads::{Camera, Film, RayType, View, Workload};
 use dacrt::{Batch, Hits, Mesh, Method, Precision, Tracer};
 use dacrt_validate::diff::{Checker, Diff};
 use dacrt_validate::embree::{Device, Quality, Query, Scene};
@@ -60,7 +60,11 @@ fn every_difference_is_explained() {
         let camera = Camera::new(eye, middle, DVec3::Y, 60.0).unwrap();
         let film = Film::new(128, 128, 1).unwrap();
         let light = (middle + 0.1 * bounds.extent().as_dvec3()).as_vec3();
-        let mut workload = Workload::new(&mesh, camera, film, Some(light), 1).unwrap();
+        let view = View {
+            point_light: Some(light),
+            ..View::of(camera)
+        };
+        let mut workload = Workload::new(&mesh, view, film, 1).unwrap();
         let judge = Judge::new(&mesh);
         let scenes = [false, true]
             .map(|robust| Scene::build(&device, &mesh, Quality::Medium, robust).unwrap());

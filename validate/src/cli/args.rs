@@ -188,7 +188,12 @@ pub struct RunArgs {
     /// Scenes to trace (see `dacrt scenes`) [default: hall,relief,soup,sibenik,conference,sponza]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub scenes: Option<Vec<String>>,
-    /// Ray types: primary, shadow-point, ambient-occlusion, diffuse-1 ... diffuse-8, random
+    /// Cameras of the scenes by name; generated: 16 that the program makes, of which generated-1 is
+    /// the first [default: the first of each scene]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub cameras: Option<Vec<String>>,
+    /// Ray types: primary, shadow-point, shadow-area, reflection, ambient-occlusion, dof,
+    /// diffuse-1 ... diffuse-8, random
     /// [default: primary,shadow-point,diffuse-1, those that the scene is for]
     #[arg(long, value_delimiter = ',', value_name = "TYPES")]
     pub rays: Option<Vec<String>>,
@@ -850,6 +855,9 @@ Examples:
 pub struct RenderArgs {
     /// Scene (see `dacrt scenes`)
     pub scene: String,
+    /// Camera by name, or generated-1 ... generated-16 [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
     /// What to show
     #[arg(long, value_enum, value_delimiter = ',', default_value = "shaded")]
     pub what: Vec<What>,

@@ -201,6 +201,7 @@ impl Step {
     fn rounds(&self, lineup: &Lineup) -> anyhow::Result<Vec<Round>> {
         let of = |rays| {
             Ok(Round {
+                camera: None,
                 film: self.film,
                 rays,
                 contestants: contestants(lineup.methods, &[Precision::Fast], &Default::default())?,
@@ -292,7 +293,6 @@ fn scene(step: &Step, lineup: &Lineup) -> anyhow::Result<SceneJob> {
         }
     }
     Ok(SceneJob {
-        view: source.view()?,
         source,
         rounds: step.rounds(lineup)?,
     })

@@ -5,7 +5,7 @@ use super::args::BenchArgs;
 use super::bench::short;
 use super::plan::distinct;
 use super::progress::Progress;
-use super::source::{SceneSource, mesh_folders};
+use super::source::{SceneSource, Views, mesh_folders};
 use super::text::{columns, complain, counted, print, thousands};
 use anyhow::{Context, bail};
 use dacrt::bench::ingredients::BOX_TESTS;
@@ -87,11 +87,11 @@ pub fn ingredients(args: &BenchArgs, isas: Vec<Isa>) -> anyhow::Result<Verdict> 
 
 /// The pairs of a scene.
 fn of_scene(args: &BenchArgs, scene: &SceneSource, film: Film) -> anyhow::Result<Vec<Source>> {
-    let view = scene.view()?;
     let mesh = Scene::load(&scene.json, &mesh_folders(&args.meshes))?.mesh;
+    let view = Views::new(scene, &mesh).of(None)?;
     let arbiter = Arbiter::new(&mesh);
     let tracer = Tracer::new(Method::Afra2012.parameters());
-    let mut workload = Workload::new(&mesh, view.camera, film, None, SEED)?;
+    let mut workload = Workload::new(&mesh, view, film, SEED)?;
     let mut sources = Vec::new();
     for ray_type in RAYS {
         let rays = workload.rays(ray_type, &mut |parents| {

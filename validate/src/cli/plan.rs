@@ -5,7 +5,7 @@ use super::args::{EngineArgs, RunArgs};
 use super::knobs::KnobLists;
 use super::progress::Progress;
 use super::size::{Resolution, Spp};
-use super::source::{SceneSource, View, mesh_folders};
+use super::source::{SceneSource, mesh_folders};
 use super::text::thousands;
 use anyhow::{Context, bail, ensure};
 use dacrt::scene::no_such;
@@ -66,6 +66,8 @@ pub struct Contestant {
 /// One batch of rays and who traces it.
 #[derive(Clone)]
 pub struct Round {
+    /// The name of the camera; none is the scene's first.
+    pub camera: Option<String>,
     pub film: Film,
     pub rays: RayType,
     pub contestants: Vec<Contestant>,
@@ -90,7 +92,6 @@ impl Round {
 /// A scene and its batches.
 pub struct SceneJob {
     pub source: SceneSource,
-    pub view: View,
     pub rounds: Vec<Round>,
 }
 
@@ -98,6 +99,7 @@ pub struct SceneJob {
 /// plan to choose.
 pub struct Request<'a> {
     pub scenes: Option<&'a [String]>,
+    pub cameras: Option<&'a [String]>,
     pub rays: Option<&'a [String]>,
     pub methods: Option<&'a [String]>,
     pub precisions: &'a [String],
@@ -136,6 +138,7 @@ impl RunPlan {
         let mesh_folders = mesh_folders(&args.meshes);
         let request = Request {
             scenes: args.scenes.as_deref(),
+            cameras: args.cameras.as_deref(),
             rays: args.rays.as_deref(),
             methods: args.methods.as_deref(),
             precisions: &args.precision,
@@ -208,8 +211,14 @@ pub fn scene_jobs(
             let rays = DEFAULT_RAYS.into_iter();
             rays.filter(|r| source.is_for(*r)).collect()
         });
+        let cameras = match request.cameras {
+            Some(names) => source.cameras(names)?.into_iter().map(Some).collect(),
+            None => vec![None],
+        };
+        let pictures = (cameras.iter())
+            .flat_map(|camera| request.films.iter().map(move |&film| (camera, film)));
         let mut rounds = Vec::new();
-        for &film in &request.films {
+        for (camera, film) in pictures {
             for &rays in &rays {
                 let methods = methods.as_deref().unwrap_or_else(|| default_methods(rays));
                 let contestants = contestants(methods, &precisions, request.knobs)?;
@@ -219,6 +228,7 @@ pub fn scene_jobs(
                     }
                 }
                 rounds.push(Round {
+                    camera: camera.clone(),
                     film,
                     rays,
                     contestants,
@@ -252,12 +262,9 @@ pub fn add_scene(
     source: SceneSource,
     rounds: Vec<Round>,
 ) -> anyhow::Result<()> {
-    let view = source.view()?;
-    ensure!(
-        view.light.is_some() || rounds.iter().all(|r| r.rays != RayType::ShadowPoint),
-        "{}: shadow-point rays need a point light, and there is none",
-        source.json.display()
-    );
+    for round in &rounds {
+        source.allows(round.camera.as_deref(), round.rays)?;
+    }
     if let Some(other) = scenes.iter().find(|s| s.source.name() == source.name()) {
         bail!(
             "--scenes: {} and {} would have the same name in the result",
@@ -265,11 +272,7 @@ pub fn add_scene(
             source.json.display()
         );
     }
-    scenes.push(SceneJob {
-        source,
-        view,
-        rounds,
-    });
+    scenes.push(SceneJob { source, rounds });
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use super::picture::Picture;
 use super::plan::{self, check_writable};
 use super::shade;
 use super::size::Spp;
-use super::source::{SceneSource, mesh_folders};
+use super::source::{SceneSource, Views, mesh_folders};
 use super::text::print;
 use anyhow::{Context, bail, ensure};
 use dacrt::scene::Scene;
@@ -21,7 +21,6 @@ pub fn render(args: &RenderArgs) -> anyhow::Result<Verdict> {
     let precision = plan::precision(&args.precision)?;
     let choice = plan::engine(&args.engine)?;
     let source = SceneSource::find(&args.scene)?;
-    let view = source.view()?;
     let one_sample = plan::film(args.resolution, Spp(1))?;
     let samples = plan::film(args.resolution, args.spp)?;
     let mesh_folders = mesh_folders(&args.meshes);
@@ -32,7 +31,8 @@ pub fn render(args: &RenderArgs) -> anyhow::Result<Verdict> {
 
     let scene = Scene::load(&source.json, &mesh_folders)?;
     let mut engine = Engine::new(choice.tracer(parameters, precision), &scene.mesh);
-    let workload = |film| Workload::new(&scene.mesh, view.camera, film, view.light, choice.seed);
+    let view = Views::new(&source, &scene.mesh).of(args.camera.as_deref())?;
+    let workload = |film| Workload::new(&scene.mesh, view.clone(), film, choice.seed);
 
     // Depth, prim and boxes have one sample a pixel: a mean of two numbers of triangles is none.
     let mut plain = workload(one_sample)?;
@@ -43,12 +43,7 @@ pub fn render(args: &RenderArgs) -> anyhow::Result<Verdict> {
         let picture: Picture = match what {
             What::Shaded => {
                 let mut workload = workload(samples)?;
-                shade::shaded(
-                    &mut workload,
-                    &scene.mesh,
-                    &mut engine,
-                    view.light.is_some(),
-                )?
+                shade::shaded(&mut workload, &scene.mesh, &mut engine, &view)?
             }
             What::Depth => shade::depth(one_sample, &hits),
             What::Prim => shade::prim(one_sample, &hits),

@@ -4,7 +4,7 @@ use super::color::{hash, heat};
 use super::engine::Engine;
 use super::picture::Picture;
 use dacrt::rays::MISS;
-use dacrt::workloads::{Film, RayType, Rays, TILE, Workload, WorkloadError};
+use dacrt::workloads::{Film, RayType, Rays, TILE, View, Workload, WorkloadError};
 use dacrt::{Batch, Hits, Mesh};
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ pub fn shaded(
     workload: &mut Workload,
     mesh: &Mesh,
     engine: &mut Engine,
-    has_light: bool,
+    view: &View,
 ) -> Result<Picture, WorkloadError> {
     const ALBEDO: f32 = 0.75;
     const HEADLIGHT: Vec3 = Vec3::splat(0.10);
@@ -23,7 +23,7 @@ pub fn shaded(
     const BACKGROUND: Vec3 = Vec3::new(0.02, 0.025, 0.035);
 
     let film = workload.film();
-    let primary = workload.rays(RayType::Primary, &mut |b| engine.nearest(b).0)?;
+    let primary = workload.rays(view.camera_rays(), &mut |b| engine.nearest(b).0)?;
     let (hits, _) = engine.nearest(&primary.batch);
     let normals: Vec<Vec3> = (0..hits.len())
         .map(|i| facing_normal(mesh, &primary.batch, &hits, i))
@@ -41,7 +41,7 @@ pub fn shaded(
 
     let sky = workload.rays(RayType::AmbientOcclusion, &mut |b| engine.nearest(b).0)?;
     for_unoccluded(engine, &sky, |_, i| colors[i] += ALBEDO * SKY);
-    if has_light {
+    if view.point_light.is_some() {
         let light = workload.rays(RayType::ShadowPoint, &mut |b| engine.nearest(b).0)?;
         for_unoccluded(engine, &light, |ray, i| {
             let to_light = -light.batch.ray(ray).direction.normalize_or_zero();

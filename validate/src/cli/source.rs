@@ -1,24 +1,20 @@
 //! Scenes before they are loaded: descriptions read, meshes found.
 
 use super::args::MeshArgs;
-use anyhow::Context;
-use dacrt::scene::{Description, Light, MeshSource, SceneError, find, locate};
-use dacrt::workloads::{Camera, RayType};
-use glam::{DVec3, Vec3};
+use super::engine::Engine;
+use anyhow::{Context, ensure};
+use dacrt::scene::{Description, MeshSource, SceneError, find, locate, no_such};
+use dacrt::workloads::{Camera, GENERATED_CAMERAS, RayType, View, generated_cameras};
+use dacrt::{Mesh, Method, Tracer};
 use std::path::{Path, PathBuf};
+
+/// Cameras that the program makes are called this, a hyphen, and a number from 1 on.
+const GENERATED: &str = "generated";
 
 /// A scene that is ready to be loaded.
 pub struct SceneSource {
     pub json: PathBuf,
     pub description: Description,
-}
-
-/// A view of one scene.
-#[derive(Clone, Debug)]
-pub struct View {
-    pub camera_name: String,
-    pub camera: Camera,
-    pub light: Option<Vec3>,
 }
 
 impl SceneSource {
@@ -59,26 +55,115 @@ impl SceneSource {
         ))
     }
 
-    /// The first camera and the first light.
-    pub fn view(&self) -> anyhow::Result<View> {
-        let camera = &self.description.cameras[0];
-        let light = self.description.lights.first();
-        Ok(View {
-            camera_name: camera.name.clone(),
-            camera: Camera::new(
-                camera.eye.into(),
-                camera.look_at.into(),
-                camera.up.into(),
-                camera.fov_degrees,
-            )
-            .with_context(|| format!("{}, cameras[0]", self.json.display()))?,
-            light: light.map(|Light::Point { position }| DVec3::from(*position).as_vec3()),
-        })
+    /// The name of this camera, or of the first.
+    pub fn camera_name<'a>(&'a self, name: Option<&'a str>) -> &'a str {
+        name.unwrap_or(&self.description.cameras[0].name)
+    }
+
+    /// The names of cameras, `generated` for all of those; an error if one does not exist.
+    pub fn cameras(&self, names: &[String]) -> anyhow::Result<Vec<String>> {
+        let described = self.description.cameras.iter().map(|c| c.name.clone());
+        let generated = || (1..=GENERATED_CAMERAS).map(|i| format!("{GENERATED}-{i}"));
+        let all: Vec<String> = described.chain(generated()).collect();
+        let mut cameras = Vec::new();
+        for name in names {
+            let meant = match name.as_str() {
+                GENERATED => generated().collect(),
+                _ => vec![name.clone()],
+            };
+            for name in meant {
+                let known: Vec<&str> = all.iter().map(String::as_str).collect();
+                ensure!(
+                    all.contains(&name),
+                    "{}: {}",
+                    self.json.display(),
+                    no_such("camera", &name, &known)
+                );
+                if !cameras.contains(&name) {
+                    cameras.push(name);
+                }
+            }
+        }
+        Ok(cameras)
+    }
+
+    /// An error if a camera of this name, or the scene, lacks what these rays need.
+    pub fn allows(&self, camera: Option<&str>, rays: RayType) -> anyhow::Result<()> {
+        let camera = self.camera_name(camera);
+        let described = self.described(camera).unwrap_or_else(|| {
+            // Those that are made are pinholes.
+            let mut first = self.description.cameras[0].clone();
+            first.lens = None;
+            first
+        });
+        let view = self.description.view(described.camera()?);
+        (view.allows(rays)).with_context(|| format!("{}, camera {camera}", self.json.display()))
+    }
+
+    fn described(&self, name: &str) -> Option<dacrt::scene::Camera> {
+        let mut cameras = self.description.cameras.iter();
+        cameras.find(|camera| camera.name == name).cloned()
     }
 
     /// Whether the description says that the scene is for these rays.
     pub fn is_for(&self, rays: RayType) -> bool {
         self.description.rays.contains(&rays.to_string())
+    }
+}
+
+/// The views of a scene that is loaded.
+pub struct Views<'a> {
+    source: &'a SceneSource,
+    mesh: &'a Mesh,
+    /// Made when they are first asked for.
+    generated: Vec<Camera>,
+}
+
+impl<'a> Views<'a> {
+    pub fn new(source: &'a SceneSource, mesh: &'a Mesh) -> Views<'a> {
+        Views {
+            source,
+            mesh,
+            generated: Vec::new(),
+        }
+    }
+
+    /// The view of a camera, by its name, or of the first.
+    pub fn of(&mut self, name: Option<&str>) -> anyhow::Result<View> {
+        let SceneSource { json, description } = self.source;
+        let name = self.source.camera_name(name);
+        let camera = match self.source.described(name) {
+            Some(camera) => camera
+                .camera()
+                .with_context(|| format!("{}, camera {name}", json.display()))?,
+            None => *self.generated(name)?,
+        };
+        Ok(description.view(camera))
+    }
+
+    fn generated(&mut self, name: &str) -> anyhow::Result<&Camera> {
+        if self.generated.is_empty() {
+            let first = &self.source.description.cameras[0];
+            let mut engine = Engine::new(Tracer::new(Method::Afra2012.parameters()), self.mesh);
+            self.generated = generated_cameras(
+                self.mesh,
+                first.eye.into(),
+                first.up.into(),
+                first.fov_degrees,
+                &mut |batch| engine.nearest(batch).0,
+            )?;
+        }
+        let number = name
+            .strip_prefix(GENERATED)
+            .and_then(|n| n.strip_prefix('-'));
+        let number = number.and_then(|n| n.parse::<usize>().ok());
+        (number.and_then(|n| self.generated.get(n.checked_sub(1)?))).with_context(|| {
+            format!(
+                "{}: there is no camera {name}; {} could be made",
+                self.source.json.display(),
+                self.generated.len()
+            )
+        })
     }
 }
 

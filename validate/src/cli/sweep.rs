@@ -117,6 +117,7 @@ fn jobs(file: &Sweep, mesh_folders: &[PathBuf]) -> anyhow::Result<(Vec<SceneJob>
     let knobs = KnobLists::of_sweep(&file.parameters, &methods)?;
     let request = Request {
         scenes: Some(&file.scenes),
+        cameras: file.cameras.as_deref(),
         rays: Some(&file.rays),
         methods: Some(&file.methods),
         precisions: &file.precision,

@@ -10,7 +10,7 @@ use super::plan::{Engine, Request, Round, SceneJob, films, scene_jobs};
 use super::progress::Progress;
 use super::run::{Answers, Reference, batch_key, make_rays};
 use super::size::{Resolution, Spp};
-use super::source::mesh_folders;
+use super::source::{Views, mesh_folders};
 use super::text::{columns, complain, counted, print, thousands};
 use anyhow::{Context, ensure};
 use dacrt::scene::Scene;
@@ -54,6 +54,7 @@ pub fn throughput(args: &BenchArgs, isas: Vec<Isa>) -> anyhow::Result<Verdict> {
     let all_methods = Method::ALL.map(|method| method.name().to_owned());
     let request = Request {
         scenes: Some(args.scenes.as_deref().unwrap_or(&default_scenes)),
+        cameras: None,
         rays: typed.rays.as_deref(),
         methods: Some(typed.methods.as_deref().unwrap_or(&all_methods)),
         precisions: &[Precision::Fast.name().to_owned()],
@@ -182,7 +183,8 @@ impl Bench<'_> {
     fn batch(&self, job: &SceneJob, round: &Round) -> anyhow::Result<BatchTimes> {
         let key = batch_key(job, round);
         let (mesh, any) = (self.mesh, round.rays.is_any_hit());
-        let mut workload = Workload::new(mesh, job.view.camera, round.film, job.view.light, SEED)?;
+        let view = Views::new(&job.source, mesh).of(round.camera.as_deref())?;
+        let mut workload = Workload::new(mesh, view, round.film, SEED)?;
         let batch = make_rays(&mut workload, round.rays, mesh)?;
         let mut times = BatchTimes {
             scene: key.scene,

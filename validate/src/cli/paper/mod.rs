@@ -75,6 +75,7 @@ fn plan(args: &PaperArgs, film: Film, figure: &mut Figure) -> anyhow::Result<Run
     let round = |rays, methods: &[Method]| -> anyhow::Result<Round> {
         let contestants = contestants(methods, &[precision], &KnobLists::default())?;
         Ok(Round {
+            camera: None,
             film,
             rays,
             contestants,

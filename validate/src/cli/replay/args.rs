@@ -38,7 +38,7 @@ Examples:
 )]
 pub struct ReplayArgs {
     /// Result file, plain or gzip
-    #[arg(conflicts_with_all = ["mesh", "rays", "resolution", "spp", "method", "precision", "seed",
+    #[arg(conflicts_with_all = ["mesh", "camera", "rays", "resolution", "spp", "method", "precision", "seed",
                                "any_hit", "own_origins"])]
     pub result: Option<PathBuf>,
     /// A cell of the result file, such as hall/primary/512x512/1/afra2012 [default: its only one]
@@ -50,6 +50,9 @@ pub struct ReplayArgs {
     /// Scene (see `dacrt scenes`); with a result file, where the description is
     #[arg(long, value_name = "NAME", conflicts_with = "mesh")]
     pub scene: Option<String>,
+    /// Camera of the scene by name, or generated-1 ... generated-16 [default: the first]
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub camera: Option<String>,
     /// Mesh: OBJ or PLY, plain or gzip
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,

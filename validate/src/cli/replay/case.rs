@@ -4,7 +4,7 @@ use super::args::{RayChoice, ReplayArgs};
 use crate::cli::engine::Engine;
 use crate::cli::plan;
 use crate::cli::size::{Resolution, Spp};
-use crate::cli::source::{SceneSource, mesh_folders};
+use crate::cli::source::{SceneSource, Views, mesh_folders};
 use anyhow::{Context, bail, ensure};
 use dacrt::scene::{Scene, load_mesh, no_such};
 use dacrt::workloads::{Film, RayType, Workload};
@@ -71,6 +71,7 @@ fn of_result(args: &ReplayArgs, path: &Path) -> anyhow::Result<Case> {
         rays,
         method,
         precision,
+        camera,
         ..
     } = &cell.key;
     let method = plan::method(method)?;
@@ -90,7 +91,7 @@ fn of_result(args: &ReplayArgs, path: &Path) -> anyhow::Result<Case> {
     )?;
     let rays = plan::ray_type(rays)?;
     in_range(index, cell.ray_count)?;
-    let (mesh, batch) = workload(args, &source, film, rays, document.seed)?;
+    let (mesh, batch) = workload(args, &source, Some(camera), film, rays, document.seed)?;
     let hash = ray_hash(&batch);
     ensure!(
         hash == cell.ray_hash,
@@ -165,7 +166,8 @@ fn of_arguments(args: &ReplayArgs) -> anyhow::Result<Case> {
             });
             let film = plan::film(resolution, args.spp.unwrap_or(Spp(1)))?;
             let source = SceneSource::find(scene)?;
-            let (mesh, batch) = workload(args, &source, film, rays, seed)?;
+            let camera = args.camera.as_deref();
+            let (mesh, batch) = workload(args, &source, camera, film, rays, seed)?;
             in_range(index, batch.len())?;
             any_hit |= rays.is_any_hit();
             from += &format!("{} {rays} {resolution}", source.name());
@@ -233,15 +235,16 @@ fn parameters(method: Method, key: &CellKey) -> anyhow::Result<Parameters> {
 fn workload(
     args: &ReplayArgs,
     source: &SceneSource,
+    camera: Option<&str>,
     film: Film,
     rays: RayType,
     seed: u64,
 ) -> anyhow::Result<(Mesh, Batch)> {
-    let view = source.view()?;
     let mesh = scene_mesh(args, source)?;
+    let view = Views::new(source, &mesh).of(camera)?;
     let batch = {
         let mut engine = Engine::new(Tracer::new(Method::Afra2012.parameters()), &mesh);
-        let mut workload = Workload::new(&mesh, view.camera, film, view.light, seed)?;
+        let mut workload = Workload::new(&mesh, view, film, seed)?;
         workload
             .rays(rays, &mut |parents| engine.nearest(parents).0)?
             .batch

@@ -10,7 +10,7 @@ use super::args::RunArgs;
 use super::engine::{Engine, Workspaces};
 use super::plan::{Contestant, Round, RunPlan, SceneJob};
 use super::progress::Progress;
-use super::source::{SceneSource, View};
+use super::source::{SceneSource, Views};
 use super::table::Report;
 use super::text::print;
 use super::{Verdict, command_line};
@@ -18,7 +18,7 @@ use anyhow::ensure;
 use cells::{Peer, enter_times};
 use contest::{Entrant, contest};
 use dacrt::scene::load_meshes;
-use dacrt::workloads::{Film, RayType, Workload};
+use dacrt::workloads::{RayType, Workload};
 use dacrt::{Batch, Mesh, Method, Parameters, SpaceParameters, Tracer};
 use dacrt_validate::diff::Checker;
 use dacrt_validate::embree::{Device, Mode};
@@ -131,13 +131,16 @@ pub fn execute(
             },
             judge: Judge::new(&mesh),
             mesh: &mesh,
-            view: &job.view,
             plan,
             progress,
         };
-        for by_film in missing.chunk_by(|a, b| a.0.film == b.0.film) {
-            let mut workload = bench.workload(by_film[0].0.film)?;
-            for (round, key) in by_film {
+        let mut views = Views::new(&job.source, &mesh);
+        let is_one_picture = |a: &Round, b: &Round| a.camera == b.camera && a.film == b.film;
+        for picture in missing.chunk_by(|a, b| is_one_picture(a.0, b.0)) {
+            let (first, _) = picture[0];
+            let view = views.of(first.camera.as_deref())?;
+            let mut workload = Workload::new(&mesh, view, first.film, plan.engine.seed)?;
+            for (round, key) in picture {
                 let cells = bench.batch(&mut workload, round, key)?;
                 // What there is of this batch is not of this run.
                 document.cells.retain(|cell| !key.has(&cell.key));
@@ -207,10 +210,12 @@ fn new_document(plan: &RunPlan, device: &Device) -> Document {
 
 /// What the cells of a round have in common.
 pub fn batch_key(job: &SceneJob, round: &Round) -> BatchKey {
-    let Round { film, rays, .. } = round;
+    let Round {
+        camera, film, rays, ..
+    } = round;
     BatchKey {
         scene: job.source.name(),
-        camera: job.view.camera_name.clone(),
+        camera: job.source.camera_name(camera.as_deref()).to_owned(),
         resolution: [film.width(), film.height()],
         spp: film.spp(),
         rays: rays.to_string(),
@@ -229,7 +234,6 @@ pub fn make_rays(workload: &mut Workload, ray_type: RayType, mesh: &Mesh) -> any
 /// One scene with all that its batches need.
 struct Bench<'a> {
     mesh: &'a Mesh,
-    view: &'a View,
     plan: &'a RunPlan,
     reference: Reference,
     /// Trees of other libraries, where they are asked for.
@@ -239,12 +243,6 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn workload(&self, film: Film) -> anyhow::Result<Workload<'_>> {
-        let View { camera, light, .. } = *self.view;
-        let seed = self.plan.engine.seed;
-        Ok(Workload::new(self.mesh, camera, film, light, seed)?)
-    }
-
     /// Makes the rays, checks the answers of every contestant, then measures those that are right.
     fn batch(
         &self,
