@@ -41,7 +41,7 @@ pub(in crate::methods) struct Memory {
     pub(super) parts: Vec<Part>,
     pub(super) rooms: Vec<SplitRoom>,
     pub(super) workers: Vec<Worker>,
-    /// The threads, if there are more than one; started beforehand.
+    /// The threads but for the caller's, if there are any; started beforehand.
     pub(super) pool: Option<ThreadPool>,
 }
 

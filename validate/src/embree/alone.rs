@@ -4,7 +4,8 @@
 /// processor. TBB, Embree's scheduler, counts its processors once and for all when it is first used; if
 /// there are two or more and the device has one thread, it starts a second all the same, which does
 /// nothing but yield, over and over, for as long as the process lives (seen with Embree 4.4.0 and its
-/// TBB 2021; on two processors our traces took 1.2 times and Embree's 1.1 times as long beside it).
+/// TBB 2021; on two processors, Sibenik, our traces took 1.15 to 1.2 times and Embree's 1.0 to 1.1 times as
+/// long beside it).
 /// If the system does not let itself be asked, `start` is called as it is.
 #[cfg(target_os = "linux")]
 pub(super) fn on_one_processor<T>(start: impl FnOnce() -> T) -> T {
