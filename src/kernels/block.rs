@@ -1,4 +1,5 @@
-//! The first pass over a block of rays: valid ones are brought together, in order.
+//! The first pass over a block of rays: valid ones are brought together, in order. And the last: their
+//! hits go where they belong.
 
 use super::Rays;
 use super::groups::{GROUP, Ordered};
@@ -163,6 +164,37 @@ pub(crate) unsafe fn load_block<L: Lanes>(
             special: L::bits(special) != 0,
             least_tmin: least_of::<L>(least_tmin),
             one_tmax: one::<L>(first_tmax, last_tmax),
+        }
+    }
+}
+
+/// How many rays ahead the places of their answers are brought near.
+const NEAR: usize = 16;
+
+/// Writes the best hits of rays to their places in the batch.
+///
+/// # Safety
+/// The processor has `L`'s instruction set; the best hits in `rays` are there for each place, and the places
+/// are good for writing.
+#[inline(always)]
+pub(crate) unsafe fn store_hits<L: Lanes>(
+    rays: &Rays,
+    places: &[u32],
+    t: *mut f32,
+    prim: *mut u32,
+) {
+    for (i, &place) in places.iter().enumerate() {
+        let next = places[(i + NEAR).min(places.len() - 1)] as usize;
+        // SAFETY: as promised; the address of a prefetch may be any.
+        unsafe {
+            L::prefetch(t.wrapping_add(next));
+            L::prefetch(prim.wrapping_add(next).cast_const().cast());
+            let found = *rays.prim.add(i);
+            *t.add(place as usize) = match found {
+                MISS => f32::INFINITY,
+                _ => *rays.t.add(i),
+            };
+            *prim.add(place as usize) = found;
         }
     }
 }

@@ -4,6 +4,12 @@
 use super::bins::{BinBox, Item};
 use crate::geometry::Aabb;
 use crate::simd::Lanes;
+use std::ptr;
+
+/// How many items ahead the next are brought near, and where they go: the passes over all triangles are
+/// bound by memory, which some processors fetch too late themselves.
+const AHEAD: usize = 32;
+const NEAR: usize = 16;
 
 /// A grid of cubic cells over a box.
 #[derive(Clone, Copy, Debug)]
@@ -75,9 +81,19 @@ impl Grid {
 }
 
 /// Counts the items of each cell, and writes down where each belongs.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(crate) fn count_cells(items: &[Item], grid: &Grid, cells: &mut [u32], counts: &mut [u32]) {
+pub(crate) unsafe fn count_cells<L: Lanes>(
+    items: &[Item],
+    grid: &Grid,
+    cells: &mut [u32],
+    counts: &mut [u32],
+) {
     for (item, to) in items.iter().zip(cells) {
+        // SAFETY: as promised; the address of a prefetch may be any.
+        unsafe { L::prefetch(ptr::from_ref(item).wrapping_add(AHEAD).cast()) };
         let cell = grid.cell(item);
         *to = cell as u32;
         counts[cell] += 1;
@@ -97,7 +113,15 @@ pub(crate) unsafe fn scatter<L: Lanes>(
     boxes: &mut [BinBox],
     to: *mut Item,
 ) {
-    for (item, &cell) in items.iter().zip(cells) {
+    for (i, (item, &cell)) in items.iter().zip(cells).enumerate() {
+        let next = cells[(i + NEAR).min(cells.len() - 1)] as usize;
+        let place = places[next] as usize;
+        // SAFETY: as promised; the address of a prefetch may be any.
+        unsafe {
+            L::prefetch(ptr::from_ref(item).wrapping_add(AHEAD).cast());
+            L::prefetch(to.wrapping_add(place).cast_const().cast());
+            L::prefetch(ptr::from_ref(&boxes[next]).cast());
+        }
         let place = &mut places[cell as usize];
         // SAFETY: as promised.
         unsafe {

@@ -4,6 +4,9 @@
 //! record of 32 bytes at its place. To gather the eight numbers of a ray from the streams of the batch by an
 //! index would touch eight cache lines a ray in place of one. Threads take a part of the window each.
 //!
+//! The places of the next vector are brought near meanwhile: on Granite Rapids 0.95 to 0.98 of the time of a
+//! trace of random rays.
+//!
 //! 32 cells an axis instead of 16 took 0.98 to 1.07 times as long, sort included.
 
 use super::block::{self, Source};
@@ -101,12 +104,19 @@ pub(crate) unsafe fn put_in_order<L: Lanes>(
     assert!(keys.len() == range.len());
     // SAFETY: as promised.
     unsafe {
-        for (keys, at) in keys.chunks(L::N).zip(range.clone().step_by(L::N)) {
+        let ahead = keys.chunks(L::N).skip(1).chain([&[][..]]);
+        let vectors = keys.chunks(L::N).zip(ahead);
+        for ((keys, ahead), at) in vectors.zip(range.clone().step_by(L::N)) {
             let rays = block::load::<L>(&Source::Batch(batch), at, range.end - at);
             let OnLines(rows) = &mut OnLines([[[0f32; 4]; MAX_LANES]; 2]);
             let ([ox, oy, oz], [dx, dy, dz]) = (rays.origin, rays.direction);
             L::store4(rows[0].as_mut_ptr(), [ox, oy, oz, rays.tmin]);
             L::store4(rows[1].as_mut_ptr(), [dx, dy, dz, rays.tmax]);
+            for &key in ahead {
+                let place = next[key as usize] as usize;
+                L::prefetch(to.records.wrapping_add(place).cast_const().cast());
+                L::prefetch(to.places.wrapping_add(place).cast_const().cast());
+            }
             for (lane, &key) in keys.iter().enumerate() {
                 let place = &mut next[key as usize];
                 *to.records.add(*place as usize) = [rows[0][lane], rows[1][lane]];

@@ -95,14 +95,20 @@ pub(super) unsafe fn ends_far<L: Lanes>(tmax: L::F) -> L::M {
     }
 }
 
+/// How many rays ahead the next are brought near: passes over all of a batch are bound by memory, which
+/// some processors fetch too late themselves.
+const RAYS_AHEAD: usize = 256;
+
 /// Up to `L::N` floats from place `at` of a slice, zeros behind its end.
 ///
 /// # Safety
 /// The processor has `L`'s instruction set; `at` is within the slice.
 #[inline(always)]
 pub(super) unsafe fn load<L: Lanes>(from: &[f32], at: usize) -> L::F {
-    // SAFETY: the whole vector is within the slice, or a copy of its end is read.
+    // SAFETY: the whole vector is within the slice, or a copy of its end is read; the address of a
+    // prefetch may be any.
     unsafe {
+        L::prefetch(from.as_ptr().wrapping_add(at + RAYS_AHEAD));
         if at + L::N <= from.len() {
             L::load(from.as_ptr().add(at))
         } else {
@@ -252,6 +258,9 @@ fn are_valid([a, b, c]: [Vec4; 3]) -> bool {
 
 /// Whether float32 is certain that a valid triangle has an area.
 ///
+/// How many triangles ahead the next are brought near.
+const AHEAD: usize = 28;
+
 /// With u = 2⁻²⁴, each product of two rounded edges is within 3 u of the exact one, and their difference
 /// is rounded once more: less than 5 u (|p| + |q|), and what underflow loses.
 #[inline(always)]
@@ -266,12 +275,21 @@ fn surely_have_area([a, b, c]: [Vec4; 3]) -> bool {
 /// Writes the items of triangles that can be hit (valid and with an area), in file order, and the box
 /// around them; returns how many there are. It looks at as many triangles from `from` on as there is room
 /// for.
+///
+/// # Safety
+/// The processor has `L`'s instruction set.
 #[inline(always)]
-pub(crate) fn prepare_triangles(mesh: &Mesh, from: usize, items: &mut [Item]) -> (usize, BinBox) {
+pub(crate) unsafe fn prepare_triangles<L: Lanes>(
+    mesh: &Mesh,
+    from: usize,
+    items: &mut [Item],
+) -> (usize, BinBox) {
     let mut bounds = [Vec4::INFINITY; 2];
     let mut n = 0;
     let triangles = mesh.triangles()[from..].iter().take(items.len());
     for (prim, triangle) in (from as u32..).zip(triangles) {
+        // SAFETY: as promised; the address of a prefetch may be any.
+        unsafe { L::prefetch(std::ptr::from_ref(triangle).wrapping_add(AHEAD).cast()) };
         let corners = corners(triangle);
         if are_valid(corners) && (surely_have_area(corners) || has_area(triangle)) {
             let [lower, upper] = Item::halves(corners, prim);

@@ -52,6 +52,7 @@ pub(crate) struct Kernels {
     pub count_keys: unsafe fn(&Batch, ops::Range<usize>, bool, &Aabb, &mut [u16], &mut [u32]),
     pub put_in_order: unsafe fn(&Batch, ops::Range<usize>, &[u16], &mut [u32], Window),
     pub load_block: unsafe fn(&Source, ops::Range<usize>, &Rays, &BlockStreams) -> PreparedRays,
+    pub store_hits: unsafe fn(&Rays, &[u32], *mut f32, *mut u32),
     pub bound_groups: unsafe fn(&Rays, &Groups, usize),
     pub filter_groups:
         unsafe fn(&Rays, &Groups, &[Entry], [&Aabb; 2], [*mut Entry; 2]) -> [usize; 2],
@@ -169,6 +170,7 @@ macro_rules! shells {
                 count_keys,
                 put_in_order,
                 load_block,
+                store_hits,
                 bound_groups,
                 filter_groups,
                 rays_of_groups,
@@ -213,7 +215,8 @@ macro_rules! shells {
                 from: usize,
                 items: &mut [Item],
             ) -> (usize, BinBox) {
-                prepare::prepare_triangles(mesh, from, items)
+                // SAFETY: as above.
+                unsafe { prepare::prepare_triangles::<L>(mesh, from, items) }
             }
 
             $(#[$feature])?
@@ -346,6 +349,12 @@ macro_rules! shells {
             }
 
             $(#[$feature])?
+            unsafe fn store_hits(rays: &Rays, places: &[u32], t: *mut f32, prim: *mut u32) {
+                // SAFETY: as above.
+                unsafe { block::store_hits::<L>(rays, places, t, prim) }
+            }
+
+            $(#[$feature])?
             unsafe fn bound_groups(rays: &Rays, groups: &Groups, len: usize) {
                 by_batch!(rays, |SHARED, SPECIAL| {
                     // SAFETY: as above.
@@ -464,7 +473,8 @@ macro_rules! shells {
 
             $(#[$feature])?
             unsafe fn count_cells(items: &[Item], grid: &Grid, cells: &mut [u32], counts: &mut [u32]) {
-                clusters::count_cells(items, grid, cells, counts)
+                // SAFETY: as above.
+                unsafe { clusters::count_cells::<L>(items, grid, cells, counts) }
             }
 
             $(#[$feature])?

@@ -387,12 +387,8 @@ impl Blocks<'_> {
                     *self.out.prim.add(place(i)) = MISS;
                 }
             }
-            for (i, &place) in places.iter().enumerate() {
-                let (t, prim) = (*rays.t.add(i), *rays.prim.add(i));
-                let t = if prim == MISS { f32::INFINITY } else { t };
-                *self.out.t.add(place as usize) = t;
-                *self.out.prim.add(place as usize) = prim;
-            }
+            let (t, prim) = (self.out.t, self.out.prim);
+            (self.job.kernels.store_hits)(rays, places, t, prim);
         }
     }
 }
