@@ -34,7 +34,7 @@ fn documents(folder: &str, ends: &[&str]) -> Vec<(PathBuf, Value)> {
         let name = file.file_name().unwrap().to_str().unwrap();
         let is_other = |word| name.contains(word);
         ends.iter().any(|end| name.ends_with(end))
-            && !["schema", "claims", "sweep"].into_iter().any(is_other)
+            && !["schema", "claims", "sweep", "growth", "throughput"].into_iter().any(is_other)
     });
     files.sort();
     let read = |file: &PathBuf| {
@@ -100,6 +100,24 @@ fn every_committed_result_keeps_to_the_schema() {
     for (file, document) in results {
         check("results", &document).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
     }
+}
+
+#[test]
+fn committed_files_of_benchmarks_can_be_read() {
+    let mut read = 0;
+    for entry in fs::read_dir(repository().join("results")).unwrap() {
+        let file = entry.unwrap().path();
+        let name = file.file_name().unwrap().to_str().unwrap();
+        if name.ends_with("growth.json.gz") {
+            dacrt_validate::growth::Document::read(&file).unwrap();
+            read += 1;
+        } else if name.ends_with("throughput.json") {
+            let text = fs::read_to_string(&file).unwrap();
+            serde_json::from_str::<dacrt_validate::throughput::Document>(&text).unwrap();
+            read += 1;
+        }
+    }
+    assert!(read >= 2);
 }
 
 #[test]
