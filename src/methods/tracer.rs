@@ -1,6 +1,9 @@
 //! The face of the engine: a method, ready to trace batches.
 
 use super::job::{Answer, Job, Trace};
+use super::object::{Log, NodeRecord};
+use super::observer::Observer;
+use super::stored::{Sent, Stored};
 use super::watch::{Step, Watch};
 use super::workspace::Memory;
 use super::{Parameters, Precision, Workspace, best, object, space};
@@ -8,6 +11,7 @@ use crate::geometry::Mesh;
 use crate::kernels::{Kernels, OneRay};
 use crate::rays::{Batch, Hits};
 use crate::simd::Isa;
+use glam::Vec3;
 
 /// Finds the hits of whole batches.
 ///
@@ -112,8 +116,13 @@ impl Tracer {
     ) -> Trace {
         let lengths = [hits.t.len(), hits.prim.len()];
         assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
-        self.trace(mesh, batch, workspace, Answer::Nearest(hits), None)
-            .0
+        self.trace(
+            mesh,
+            batch,
+            workspace,
+            Answer::Nearest(hits),
+            Observer::None,
+        )
     }
 
     /// Finds for every ray whether it hits anything: 1 if it does, 0 if not.
@@ -131,8 +140,13 @@ impl Tracer {
         occluded: &mut [u8],
     ) -> Trace {
         assert_eq!(occluded.len(), batch.len(), "one byte a ray");
-        self.trace(mesh, batch, workspace, Answer::Any(occluded), None)
-            .0
+        self.trace(
+            mesh,
+            batch,
+            workspace,
+            Answer::Any(occluded),
+            Observer::None,
+        )
     }
 
     /// As [`Tracer::nearest`], and what becomes of one ray, step by step; no step for an invalid ray.
@@ -152,7 +166,7 @@ impl Tracer {
     ) -> (Trace, Vec<Step>) {
         let lengths = [hits.t.len(), hits.prim.len()];
         assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
-        self.trace(mesh, batch, workspace, Answer::Nearest(hits), Some(ray))
+        self.watch(mesh, batch, workspace, Answer::Nearest(hits), ray)
     }
 
     /// As [`Tracer::any`], and what becomes of one ray; see [`Tracer::watch_nearest`].
@@ -168,7 +182,168 @@ impl Tracer {
         ray: usize,
     ) -> (Trace, Vec<Step>) {
         assert_eq!(occluded.len(), batch.len(), "one byte a ray");
-        self.trace(mesh, batch, workspace, Answer::Any(occluded), Some(ray))
+        self.watch(mesh, batch, workspace, Answer::Any(occluded), ray)
+    }
+
+    /// As [`Tracer::nearest`] by `afra2012` or `nabata2013`, and each node as it was split, or solved.
+    ///
+    /// Tests all rays of each node against all candidates: some 60 times the time. Allocates the records.
+    ///
+    /// # Panics
+    /// As [`Tracer::nearest`], and if it is another method.
+    pub fn log_nearest(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        hits: &mut Hits,
+    ) -> (Trace, Vec<NodeRecord>) {
+        let lengths = [hits.t.len(), hits.prim.len()];
+        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
+        self.log(mesh, batch, workspace, Answer::Nearest(hits))
+    }
+
+    /// As [`Tracer::any`], and each node; see [`Tracer::log_nearest`].
+    ///
+    /// # Panics
+    /// As [`Tracer::any`], and if it is another method.
+    pub fn log_any(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        occluded: &mut [u8],
+    ) -> (Trace, Vec<NodeRecord>) {
+        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
+        self.log(mesh, batch, workspace, Answer::Any(occluded))
+    }
+
+    /// As [`Tracer::nearest`], and the splits that were made.
+    ///
+    /// Allocates the tree.
+    ///
+    /// # Panics
+    /// As [`Tracer::nearest`]; and if the method is `best`, takes cones, or octants.
+    pub fn store_nearest(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        hits: &mut Hits,
+    ) -> (Trace, Stored) {
+        let lengths = [hits.t.len(), hits.prim.len()];
+        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
+        self.store(mesh, batch, workspace, Answer::Nearest(hits))
+    }
+
+    /// As [`Tracer::any`], and the splits that were made; see [`Tracer::store_nearest`].
+    ///
+    /// # Panics
+    /// As [`Tracer::store_nearest`].
+    pub fn store_any(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        occluded: &mut [u8],
+    ) -> (Trace, Stored) {
+        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
+        self.store(mesh, batch, workspace, Answer::Any(occluded))
+    }
+
+    /// Finds the same hits by the splits of a trace of the same mesh and batch by the same tracer, with the
+    /// same kernels, without making any.
+    ///
+    /// # Panics
+    /// As [`Tracer::store_nearest`]; and if a ray comes where none has come in that trace, as those of
+    /// another batch may.
+    pub fn send_nearest(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        hits: &mut Hits,
+        through: (&Stored, Sent),
+    ) -> Trace {
+        let lengths = [hits.t.len(), hits.prim.len()];
+        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
+        let observer = Observer::Send(through.0, through.1);
+        self.trace(mesh, batch, workspace, Answer::Nearest(hits), observer)
+    }
+
+    /// As [`Tracer::send_nearest`], whether each ray hits anything.
+    ///
+    /// # Panics
+    /// As [`Tracer::send_nearest`].
+    pub fn send_any(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        occluded: &mut [u8],
+        through: (&Stored, Sent),
+    ) -> Trace {
+        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
+        let observer = Observer::Send(through.0, through.1);
+        self.trace(mesh, batch, workspace, Answer::Any(occluded), observer)
+    }
+
+    fn store(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        answer: Answer,
+    ) -> (Trace, Stored) {
+        let mut stored = Stored::new();
+        let observer = Observer::Store(&mut stored);
+        let trace = self.trace(mesh, batch, workspace, answer, observer);
+        (trace, stored)
+    }
+
+    fn watch(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        answer: Answer,
+        ray: usize,
+    ) -> (Trace, Vec<Step>) {
+        let mut watch = Watch {
+            id: ray as u32,
+            ray: OneRay {
+                ray: batch.ray(ray),
+                shared_origin: self.shared_origin(batch),
+                least_tmin: 0.0,
+                precision: self.precision,
+            },
+            steps: Vec::new(),
+        };
+        let trace = self.trace(mesh, batch, workspace, answer, Observer::Ray(&mut watch));
+        (trace, watch.steps)
+    }
+
+    fn log(
+        &self,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+        answer: Answer,
+    ) -> (Trace, Vec<NodeRecord>) {
+        let is_logged = matches!(self.parameters, Parameters::Object(_));
+        assert!(is_logged, "nodes are those of afra2012 and nabata2013");
+        let mut log = Log::new();
+        let trace = self.trace(mesh, batch, workspace, answer, Observer::Nodes(&mut log));
+        (trace, log.records)
+    }
+
+    /// The origin of all valid rays, if the batch is traced as one with a shared origin.
+    fn shared_origin(&self, batch: &Batch) -> Option<Vec3> {
+        match self.own_origins {
+            true => None,
+            // SAFETY: `Kernels::of` checks the processor.
+            false => unsafe { (Kernels::of(self.isa).shared_origin)(batch) },
+        }
     }
 
     fn trace(
@@ -177,8 +352,8 @@ impl Tracer {
         batch: &Batch,
         workspace: &mut Workspace,
         answer: Answer,
-        watched: Option<usize>,
-    ) -> (Trace, Vec<Step>) {
+        observer: Observer,
+    ) -> Trace {
         let n = batch.len();
         let lengths = batch
             .origin
@@ -195,37 +370,27 @@ impl Tracer {
             kernels,
             mesh,
             batch,
-            shared_origin: match self.own_origins {
-                true => None,
-                // SAFETY: `Kernels::of` has checked the processor.
-                false => unsafe { (kernels.shared_origin)(batch) },
-            },
+            shared_origin: self.shared_origin(batch),
             precision: self.precision,
             seed: self.seed,
             audit: self.audit,
         };
-        let mut watch = watched.map(|ray| Watch {
-            id: ray as u32,
-            ray: OneRay {
-                ray: batch.ray(ray),
-                shared_origin: job.shared_origin,
-                least_tmin: 0.0,
-                precision: self.precision,
-            },
-            steps: Vec::new(),
-        });
-        let trace = match (&self.parameters, memory) {
+        match (&self.parameters, memory) {
             (Parameters::Object(p), Memory::Object(memory)) => {
-                object::trace(&job, p, memory, answer, watch.as_mut())
+                object::trace(&job, p, memory, answer, observer)
             }
             (Parameters::Space(p), Memory::Space(memory)) => {
-                space::trace(&job, p, memory, answer, watch.as_mut())
+                space::trace(&job, p, memory, answer, observer)
             }
             (Parameters::Best(p), Memory::Best(memory)) => {
-                best::trace(&job, p, memory, self.threads, answer, watch.as_mut())
+                let watch = match observer {
+                    Observer::None => None,
+                    Observer::Ray(watch) => Some(watch),
+                    _ => panic!("best keeps its splits itself"),
+                };
+                best::trace(&job, p, memory, self.threads, answer, watch)
             }
             _ => panic!("the workspace is for another kind of method"),
-        };
-        (trace, watch.map_or(Vec::new(), |watch| watch.steps))
+        }
     }
 }

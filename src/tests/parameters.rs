@@ -402,6 +402,7 @@ fn object_parameters() -> impl Strategy<Value = ObjectParameters> {
                 leaf_rays,
                 bins,
                 axes: [Axes::Longest, Axes::Centers, Axes::All][axes],
+                lists: [Lists::Auto, Lists::Copied, Lists::InPlace][min_rays as usize % 3],
                 sah_ratio,
                 one_ray: if flags[0] {
                     OneRay::AxisSign
@@ -542,6 +543,7 @@ fn the_names_of_parameters_are_those_of_their_fields() {
             bins,
             "leaf_rays",
             "leaf_triangles",
+            "lists",
             one_ray,
             "sah_ratio"
         ]

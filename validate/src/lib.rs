@@ -18,6 +18,7 @@ pub mod kernels;
 pub mod machine;
 pub mod measure;
 pub mod merge;
+pub mod nodes;
 pub mod npy;
 pub mod parameters;
 pub mod peers;

@@ -401,10 +401,12 @@ fn header(descr: &str, shape: &str) -> Vec<u8> {
     header
 }
 
-struct Archive<'a>(zip::ZipWriter<BufWriter<&'a mut File>>);
+/// An `.npz` archive under way.
+pub(crate) struct Archive<'a>(zip::ZipWriter<BufWriter<&'a mut File>>);
 
 impl Archive<'_> {
-    fn array<const BYTES: usize>(
+    /// Adds an array of one axis.
+    pub fn array<const BYTES: usize>(
         &mut self,
         name: &str,
         descr: &str,
@@ -426,7 +428,8 @@ impl Archive<'_> {
     }
 }
 
-fn write_archive(
+/// Writes an archive in place of an old file of this name.
+pub(crate) fn write_archive(
     path: &Path,
     fill: impl FnOnce(&mut Archive) -> io::Result<()>,
 ) -> Result<(), NpyError> {

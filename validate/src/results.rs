@@ -121,6 +121,9 @@ pub struct Cell {
     /// time.
     #[schemars(schema_with = "crate::schema::counters")]
     pub counters: Map<String, Value>,
+    /// Median milliseconds of a pass that gives each ray a grey by what it hits, where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shade_ms: Option<f64>,
     /// Size of the workspace.
     pub workspace_bytes: usize,
     /// Rays that hit something.
@@ -148,6 +151,9 @@ pub struct Cell {
     /// Other libraries on the same rays, where they were asked for; an entry for each builder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peers: Vec<PeerTimes>,
+    /// The same rays through the stored splits of this trace, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub twin: Option<Twin>,
 }
 
 impl Cell {
@@ -223,6 +229,45 @@ pub struct EmbreeTimes {
     pub trace_prepacked_ms: BTreeMap<String, f64>,
     /// Memory of the scene in Embree.
     pub bytes: usize,
+}
+
+/// The splits of a trace kept as a tree, and its rays sent through that by the same kernels: what is left
+/// without building.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Twin {
+    /// Nodes of the tree.
+    pub nodes: usize,
+    /// Triangles of all leaves; a cell's may be in others, too.
+    pub triangles: usize,
+    /// Ray/box tests of the trace that the way of a ray depended on: without probes of long lists, and
+    /// without filters that only tell whether splitting goes on.
+    pub ray_box: u64,
+    /// Ray/triangle tests of the trace.
+    pub ray_triangle: u64,
+    /// Ray/box tests of rays sent one by one. Mora 2011, section 3.2: as many.
+    pub one_by_one_ray_box: u64,
+    /// Ray/triangle tests of these.
+    pub one_by_one_ray_triangle: u64,
+    /// Hits that are not those of the trace, over all times that rays were sent; 0.
+    pub differing_rays: usize,
+    /// Median milliseconds of all rays sent together.
+    pub median_ms: f64,
+    /// Time of the trace over that, measured in turns.
+    pub trace_over_twin: f64,
+    /// Its 95 % bootstrap interval.
+    pub trace_over_twin_interval: [f64; 2],
+    /// Milliseconds of all rays sent one by one, once, by kernels that are made for many.
+    pub one_by_one_ms: f64,
+    /// Milliseconds of each repeat.
+    pub samples_ms: Vec<f64>,
+}
+
+impl Twin {
+    /// Whether a ray that is sent alone has the tests that it had among others, and its hit.
+    pub fn is_equal(&self) -> bool {
+        (self.ray_box, self.ray_triangle) == (self.one_by_one_ray_box, self.one_by_one_ray_triangle)
+            && self.differing_rays == 0
+    }
 }
 
 /// A builder of another library on the rays of a cell, with one thread.

@@ -26,6 +26,19 @@ pub fn median(samples: &[f64]) -> Option<f64> {
     }
 }
 
+/// The value below which this share of the samples is, between two of them by a straight line; `None` of
+/// nothing.
+pub fn quantile(samples: &[f64], share: f64) -> Option<f64> {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let place = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
+    let (below, above) = (
+        sorted[place.floor() as usize],
+        sorted[place.ceil() as usize],
+    );
+    Some(below + (above - below) * place.fract())
+}
+
 /// The least value; infinite of nothing.
 pub fn least(samples: &[f64]) -> f64 {
     samples.iter().copied().fold(f64::INFINITY, f64::min)
@@ -118,6 +131,14 @@ mod tests {
         assert_eq!(median(&[3.0]), Some(3.0));
         assert_eq!(median(&[5.0, 1.0, 3.0]), Some(3.0));
         assert_eq!(median(&[4.0, 1.0, 3.0, 2.0]), Some(2.5));
+    }
+
+    #[test]
+    fn quantiles_are_between_samples() {
+        let samples = [5.0, 1.0, 3.0];
+        let quantiles = [0.0, 0.25, 0.5, 1.0].map(|share| quantile(&samples, share).unwrap());
+        assert_eq!(quantiles, [1.0, 2.0, 3.0, 5.0]);
+        assert_eq!(quantile(&[], 0.5), None);
     }
 
     #[test]

@@ -48,16 +48,21 @@ fn figure_8_is_measured_and_printed() {
     let names: Vec<[&str; 3]> = (cells.iter())
         .map(|cell| ["scene", "rays", "method"].map(|key| cell[key].as_str().unwrap()))
         .collect();
+    let bounces: Vec<String> = (1..=7).map(|n| format!("diffuse-{n}")).collect();
     let of = |scene| {
-        [
+        let of_fig8 = [
             [scene, "primary", "mora2011"],
             [scene, "primary", "mora2011-cones"],
             [scene, "shadow-point", "mora2011-cones"],
-        ]
+        ];
+        let paths = bounces
+            .iter()
+            .map(|bounce| [scene, bounce.as_str(), "mora2011-random"]);
+        of_fig8.into_iter().chain(paths).collect::<Vec<_>>()
     };
     assert_eq!(names, [of("tiny"), of("hall")].concat());
-    for (scene, cells) in cells.chunks(3).enumerate() {
-        let [basic, cones, light] = cells else {
+    for (scene, cells) in cells.chunks(10).enumerate() {
+        let [basic, cones, light, paths @ ..] = cells else {
             panic!()
         };
         assert_eq!(basic["diff"]["exact"]["ours_wrong"], 0);
@@ -75,13 +80,15 @@ fn figure_8_is_measured_and_printed() {
             number(&text, &format!("{name} basic"), 0, 2),
             1e3 / ms(basic),
         );
+        let shaded = ms(basic) + basic["shade_ms"].as_f64().unwrap();
+        near(number(&text, &format!("{name} basic"), 0, 3), 1e3 / shaded);
         near(
-            number(&text, &format!("{name} basic"), 0, 3),
+            number(&text, &format!("{name} basic"), 0, 4),
             count(basic, "ray_box"),
         );
         near(number(&text, "cones ", scene, 1), 1e3 / ms(cones));
         near(
-            number(&text, "cones ", scene, 5),
+            number(&text, "cones ", scene, 6),
             count(cones, "ray_triangle"),
         );
         // Both batches of a picture with shadows together.
@@ -90,8 +97,8 @@ fn figure_8_is_measured_and_printed() {
             number(&text, "cones, 1 light", scene, 3),
             1e3 / (ms(cones) + ms(light)),
         );
-        near(number(&text, "cones, 1 light", scene, 5), both("cone_box"));
-        near(number(&text, "cones, 1 light", scene, 8), both("nodes"));
+        near(number(&text, "cones, 1 light", scene, 6), both("cone_box"));
+        near(number(&text, "cones, 1 light", scene, 9), both("nodes"));
         // What the cones save: the second line of the scene that begins with its name.
         let tests = |cell| count(cell, "ray_box") + count(cell, "cone_box");
         near(number(&text, name, 1, 1), tests(basic) / tests(cones));
@@ -105,7 +112,26 @@ fn figure_8_is_measured_and_printed() {
             number(&text, name, 1, 6),
             basic["triangles"].as_f64().unwrap() / rays,
         );
+        // Figs. 6 and 14, whose rows for scenes that the paper does not have come last: `- - - - tiny`,
+        // triangles, fps, shaded, `[` and `]` with the ratio.
+        for figure in [0, 1] {
+            let line = format!("- - - - {name}");
+            near(number(&text, &line, figure, 6), 1e3 / ms(cones));
+            let theirs = 1.0 / cones["ratio_embree_trace"].as_f64().unwrap();
+            let printed = number(&text, &line, figure, 8);
+            assert!((printed - theirs).abs() <= 0.0051, "{printed} {theirs}");
+        }
+        // Fig. 10.
+        let sum = |of: &dyn Fn(&Value) -> f64| paths.iter().map(of).sum::<f64>();
+        let rays = sum(&|cell| cell["ray_count"].as_f64().unwrap());
+        let rate = rays / 1e3 / sum(&|cell| cell["median_ms"].as_f64().unwrap_or(0.0));
+        near(number(&text, name, 2, 3), rate);
     }
+    assert!(
+        text.contains("Fig. 6") && text.contains("Fig. 14"),
+        "{text}"
+    );
+    assert!(text.contains("Erw6"), "{text}");
 
     // Nothing is measured twice, and the figure is the same.
     let again = folder.dacrt(&format!("{PAPER} --resume")).exits(0).stdout();
@@ -195,4 +221,134 @@ fn a_view_of_nothing_is_no_finding() {
     assert!(!text.contains("WRONG"), "{text}");
     let fps = |words| number(&text, words, 0, if words == "cones " { 1 } else { 3 });
     assert_eq!(fps("cones "), fps("cones, 1 light"));
+}
+
+/// A room of the size of Sibenik's nave with a wall across, under the name of its mesh.
+fn write_nave(folder: &Folder) {
+    let mut text = String::new();
+    for x in [-20, 20] {
+        for y in ["-15.3", "15"] {
+            for z in ["-8.5", "8.5"] {
+                text += &format!("v {x} {y} {z}\n");
+            }
+        }
+    }
+    text += "v 14 -15.3 -8\nv 14 -15.3 2\nv 14 3 2\nv 14 3 -8\n";
+    for quad in [
+        "1 2 4 3",
+        "5 6 8 7",
+        "1 2 6 5",
+        "3 4 8 7",
+        "1 3 7 5",
+        "2 4 8 6",
+        "9 10 11 12",
+    ] {
+        text += &format!("f {quad}\n");
+    }
+    folder.write("sibenik.obj.gz", text);
+}
+
+#[test]
+fn pictures_are_sums_of_their_batches() {
+    const PAPER: &str = "paper nabata2013 --scenes sibenik --resolution 16 --repeats 2 --cameras 1 \
+                         --meshes . --out out.json";
+    let folder = Folder::new();
+    write_nave(&folder);
+    let run = folder.dacrt(PAPER);
+    let text = run.exits(0).stdout();
+    assert_eq!(run.stderr(), "");
+    for line in text.lines() {
+        assert!(line.chars().count() <= 100, "{line}");
+    }
+    assert!(
+        text.contains("primary, reflection, shadow-area; sibenik, camera aisle and another one"),
+        "{text}"
+    );
+    assert!(
+        text.contains("not measured: the paper does not say which scene"),
+        "{text}"
+    );
+    assert!(
+        text.contains("not measured: no mesh of conference"),
+        "{text}"
+    );
+
+    let cells = folder.json("out.json")["cells"].take();
+    let cells = cells.as_array().unwrap();
+    // Three of ours with three batches each, one made with the four that they have together; four sizes,
+    // two methods; the ablation.
+    assert_eq!(cells.len(), (3 * 3 + 4) * 4 * 2 + 3 * 3);
+    let sum = |camera: &str, spp: u64, method: &str, counters: &[&str]| -> f64 {
+        let of_picture = cells.iter().filter(|cell| {
+            cell["camera"] == camera && cell["spp"] == spp && cell["method"] == method
+        });
+        let counts = of_picture.flat_map(|cell| {
+            counters
+                .iter()
+                .map(|&name| cell["counters"][name].as_f64().unwrap())
+        });
+        counts.sum()
+    };
+    let boxes = ["ray_box", "sample_box"];
+    for (row, spp) in [1, 4, 16].into_iter().enumerate() {
+        let of = |method, counters: &[&str]| sum("nave", spp, method, counters);
+        let quotient = |counters: &[&str]| of("afra2012", counters) / of("nabata2013", counters);
+        let size = (16 << row).to_string();
+        let near = |column: usize, exact: f64| {
+            let printed = number(&text, &size, 0, column);
+            assert!(
+                (printed - exact).abs() <= 0.0051,
+                "{printed} {exact}\n{text}"
+            );
+        };
+        near(2, [1.41, 1.515, 1.594][row]);
+        // `1.41`, `[1.40,` and `1.42]` are three words.
+        near(7, quotient(&boxes));
+        near(8, quotient(&["ray_triangle"]));
+    }
+    for words in [
+        "cost of eq. 2 alone",
+        "order by samples alone",
+        "all three",
+        "Fig. 4 (c) Sibenik",
+    ] {
+        assert!(
+            text.lines().any(|line| line.starts_with(words)),
+            "{words}\n{text}"
+        );
+    }
+
+    let again = folder.dacrt(&format!("{PAPER} --resume")).exits(0).stdout();
+    assert_eq!(again, text);
+    let from = folder.dacrt("paper nabata2013 --from out.json");
+    let from = from.exits(0).stdout();
+    assert!(text.starts_with(&from), "{from}");
+
+    let quick = "paper nabata2013 --quick --resolution 8 --meshes . --out quick.json";
+    let run = folder.dacrt(quick);
+    let text = run.exits(0).stdout();
+    assert!(run.stderr().contains("left out: scene conference:"));
+    assert_eq!(number(&text, "16 ", 0, 0), 16.0);
+    assert!(!text.contains("another one"), "{text}");
+    let cells = folder.json("quick.json")["cells"].take();
+    assert_eq!(cells.as_array().unwrap().len(), 3 * 3 * 2 * 2 + 3 * 3);
+
+    let refuses = |line: &str, words: &[&str]| {
+        folder.dacrt(line).refuses(words);
+    };
+    refuses("paper nabata2013 --meshes nowhere", &["none of the meshes"]);
+    refuses(
+        "paper nabata2013 --scenes hall",
+        &["--scenes", "scene of the paper", "hall"],
+    );
+    refuses(
+        "paper nabata2013 --cameras 17",
+        &["--cameras", "from 0 to 16"],
+    );
+    folder
+        .dacrt("run --scenes ./tiny.json --rays primary --resolution 8 --repeats 1 --out out.json");
+    refuses(
+        "paper nabata2013 --from out.json",
+        &["out.json", "Figs. 4 to 7"],
+    );
 }

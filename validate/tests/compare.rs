@@ -67,6 +67,7 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
             .as_object()
             .unwrap()
             .clone(),
+        shade_ms: None,
         workspace_bytes: 4096,
         hits: 50,
         hit_hash: format!("hits of {scene}"),
@@ -99,6 +100,7 @@ fn cell(scene: &str, method: Method, ms: f64) -> Cell {
         ratio_embree_trace: Some(99.0),
         ratio_embree_trace_interval: None,
         peers: Vec::new(),
+        twin: None,
     }
 }
 

@@ -82,6 +82,7 @@ fn cell(method: &str) -> Cell {
             .as_object()
             .unwrap()
             .clone(),
+        shade_ms: None,
         workspace_bytes: 1 << 33,
         hits: 9,
         hit_hash: "bb".into(),
@@ -114,6 +115,7 @@ fn cell(method: &str) -> Cell {
         ratio_embree_trace: Some(3.0),
         ratio_embree_trace_interval: None,
         peers: Vec::new(),
+        twin: None,
     }
 }
 

@@ -34,7 +34,9 @@ fn documents(folder: &str, ends: &[&str]) -> Vec<(PathBuf, Value)> {
         let name = file.file_name().unwrap().to_str().unwrap();
         let is_other = |word| name.contains(word);
         ends.iter().any(|end| name.ends_with(end))
-            && !["schema", "claims", "sweep", "growth", "throughput"].into_iter().any(is_other)
+            && !["schema", "claims", "sweep", "growth", "throughput"]
+                .into_iter()
+                .any(is_other)
     });
     files.sort();
     let read = |file: &PathBuf| {

@@ -1,10 +1,12 @@
 //! Divide-and-conquer ray tracing: Algorithm 1 of Nabata 2013.
 
-use super::ObjectParameters;
+use super::nodes::Log;
 use super::split::{Candidates, Child, Node};
+use super::{Lists, ObjectParameters};
 use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{BLOCK, Item, Keep, Kernels, List, Rays, Samples};
 use crate::methods::Counters;
+use crate::methods::stored::Stored;
 use crate::methods::watch::Watch;
 use crate::simd::MAX_LANES;
 
@@ -30,6 +32,10 @@ pub(super) struct Divide<'a> {
     pub counters: Counters,
     /// Who watches a ray, if somebody does.
     pub watch: Option<&'a mut Watch>,
+    /// Where nodes are written down, if they are.
+    pub log: Option<&'a mut Log>,
+    /// Where the splits are kept, if they are.
+    pub stored: Option<&'a mut Stored>,
 }
 
 impl Divide<'_> {
@@ -63,7 +69,9 @@ impl Divide<'_> {
         if self.parameters.alpha_refresh {
             self.refresh_ratio(&mut second, active);
         }
+        self.note_second(&second, active);
         self.visit(&second, active, top, |counters| &mut counters.skips_far);
+        self.note_end();
     }
 
     pub(super) fn is_leaf(&self, node: &Node, active: List) -> bool {
@@ -97,7 +105,7 @@ impl Divide<'_> {
     }
 
     /// Section 4.4: whether filtering would cost more than it saves, eq. 6; eq. 5 for a leaf.
-    fn skips(&self, child: &Child) -> bool {
+    pub(super) fn skips(&self, child: &Child) -> bool {
         let Some(ratio) = child.ratio else {
             return false;
         };
@@ -112,17 +120,24 @@ impl Divide<'_> {
 
     /// Filters a list by a box; returns the list of the rays kept and where free records begin.
     ///
-    /// A list that keeps few rays is copied, one that keeps many is partitioned in place, which
-    /// then moves less memory. A probe tells them apart.
-    fn filter(&mut self, active: List, bounds: &Aabb, top: usize) -> (List, usize) {
+    /// With [`Lists::Auto`], a list that keeps few rays is copied, one that keeps many is partitioned in
+    /// place, which then moves less memory. A probe tells them apart.
+    pub(super) fn filter(&mut self, active: List, bounds: &Aabb, top: usize) -> (List, usize) {
+        let before = self.counters.ray_box;
         self.counters.ray_box += active.len as u64;
         let fits = top + active.len + MAX_LANES <= self.capacity;
         let copies = fits
-            && (active.len <= PROBED || {
-                let (kept, probed) = self.count(active, bounds, PROBE_STRIDE);
-                self.counters.ray_box += probed as u64;
-                2 * kept <= probed
-            });
+            && match self.parameters.lists {
+                Lists::Copied => true,
+                Lists::InPlace => false,
+                Lists::Auto if active.len <= PROBED => true,
+                Lists::Auto => {
+                    let (kept, probed) = self.count(active, bounds, PROBE_STRIDE);
+                    self.counters.ray_box += probed as u64;
+                    2 * kept <= probed
+                }
+            };
+        self.note_filter(active, self.counters.ray_box - before);
         let keep = if copies {
             Keep::Copy(top)
         } else {
@@ -146,7 +161,7 @@ impl Divide<'_> {
     }
 
     /// (kept, tested) of every `stride`-th block of rays.
-    fn count(&self, active: List, bounds: &Aabb, stride: usize) -> (usize, usize) {
+    pub(super) fn count(&self, active: List, bounds: &Aabb, stride: usize) -> (usize, usize) {
         // SAFETY: the processor was checked.
         unsafe { (self.kernels.count)(&self.rays, active, bounds, stride) }
     }
@@ -156,6 +171,7 @@ impl Divide<'_> {
         self.counters.leaves += 1;
         self.counters.ray_triangle += (active.len * node.len()) as u64;
         self.watch_leaf(node, active);
+        self.note_leaf(node, active);
         let items = &self.items[node.from..node.to];
         // SAFETY: the processor was checked; items are of the mesh.
         unsafe { (self.kernels.naive)(&self.rays, active, self.triangles, items) }

@@ -54,6 +54,21 @@ pub enum Axes {
     All,
 }
 
+/// Where the active rays of a child are kept. Nabata 2013 does not say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Lists {
+    /// As a list of their own where a probe says that few are kept, else in place.
+    #[default]
+    Auto,
+    /// As a list of their own, as long as there is room: memory is linear in the rays, so deep down there
+    /// may be none.
+    Copied,
+    /// At the front of their parent's list, the others behind them.
+    InPlace,
+}
+
 /// How sample rays are drawn. The paper says "randomly".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -83,6 +98,9 @@ pub struct ObjectParameters {
     pub sah_ratio: f32,
     /// How the one ray decides where one ray decides the order.
     pub one_ray: OneRay,
+    /// Where the active rays of a child are kept; [`Lists::Auto`] where results do not say.
+    #[serde(default)]
+    pub lists: Lists,
 
     /// The cost function (section 4.2).
     pub cost: Cost,
@@ -119,8 +137,14 @@ pub struct ObjectParameters {
 }
 
 /// Parameters that both methods have.
-pub(in crate::methods) const COMMON: [&str; 5] =
-    ["leaf_triangles", "leaf_rays", "bins", "axes", "one_ray"];
+pub(in crate::methods) const COMMON: [&str; 6] = [
+    "leaf_triangles",
+    "leaf_rays",
+    "bins",
+    "axes",
+    "one_ray",
+    "lists",
+];
 
 /// Parameters that only ray sampling has.
 pub(in crate::methods) const SAMPLING: [&str; 13] = [
@@ -148,6 +172,7 @@ impl ObjectParameters {
         axes: Axes::Centers,
         sah_ratio: 1.5,
         one_ray: OneRay::AxisSign,
+        lists: Lists::Auto,
         cost: Cost::Sah,
         order: Order::OneRay,
         skip: 1.0,

@@ -88,6 +88,17 @@ impl Candidates {
         })
     }
 
+    /// Each with the number of triangles on its left.
+    pub fn pairs(&self) -> impl Iterator<Item = (&Candidate, u64)> {
+        let pairs = self.pairs.iter().zip(&self.cuts).take(self.len);
+        pairs.map(|(pair, (_, left))| (pair, u64::from(*left)))
+    }
+
+    /// Whether a candidate parts the triangles by number.
+    pub fn is_halved(&self, place: usize) -> bool {
+        matches!(self.cuts[place].0, Cut::Halves)
+    }
+
     fn push(&mut self, pair: Candidate, cut: Cut, left_count: usize) {
         self.pairs[self.len] = pair;
         self.cuts[self.len] = (cut, left_count as u32);
@@ -129,6 +140,7 @@ impl Divide<'_> {
     /// left is a leaf.
     pub(super) fn split(&mut self, node: &mut Node, active: List) -> Option<[Child; 2]> {
         let by_cost = self.splits_by_cost(node, active);
+        let sample_box = self.counters.sample_box;
         self.find_candidates(
             node,
             if by_cost {
@@ -190,15 +202,25 @@ impl Divide<'_> {
             node: node.child(1, pair.right, mid, node.to),
             ratio: counts.map(|c| ratio(c.right)),
         };
-        Some(if self.left_goes_first(active, &pair, cut, counts) {
+        let children = if self.left_goes_first(active, &pair, cut, counts) {
             [left, right]
         } else {
             [right, left]
-        })
+        };
+        let sample_box = self.counters.sample_box - sample_box;
+        self.note_split(
+            node,
+            active,
+            chosen,
+            counts,
+            sample_box,
+            children.each_ref(),
+        );
+        Some(children)
     }
 
     /// Section 5: whether there are enough rays a triangle for a cost function.
-    fn splits_by_cost(&self, node: &Node, active: List) -> bool {
+    pub(super) fn splits_by_cost(&self, node: &Node, active: List) -> bool {
         let ratio = match self.parameters.cost {
             Cost::Sah => self.parameters.sah_ratio,
             Cost::Sampled => self.parameters.threshold,
@@ -272,7 +294,7 @@ impl Divide<'_> {
     }
 
     /// Eq. 1, the surface area heuristic, likewise.
-    fn least_area_cost(&self, node: &Node) -> usize {
+    pub(super) fn least_area_cost(&self, node: &Node) -> usize {
         let c = &*self.candidates;
         let cost = |j: usize| {
             let (pair, left) = (&c.pairs[j], c.cuts[j].1 as usize);

@@ -6,7 +6,7 @@ use crate::geometry::Aabb;
 use crate::kernels::{List, Rays, Tmax};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
-use crate::methods::watch::Watch;
+use crate::methods::observer::Observer;
 use crate::rays::MISS;
 use crate::rays::active::ActiveRays;
 
@@ -16,9 +16,17 @@ pub(in crate::methods) fn trace(
     parameters: &ObjectParameters,
     memory: &mut Memory,
     mut answer: Answer,
-    mut watch: Option<&mut Watch>,
+    observer: Observer,
 ) -> Trace {
     let (n, kernels) = (job.batch.len(), job.kernels);
+    let (mut watch, mut log, mut stored, mut sent) = (None, None, None, None);
+    match observer {
+        Observer::None => {}
+        Observer::Ray(ray) => watch = Some(ray),
+        Observer::Nodes(nodes) => log = Some(nodes),
+        Observer::Store(tree) => stored = Some(tree),
+        Observer::Send(tree, how) => sent = Some((tree, how)),
+    }
     let (t, prim) = match &mut answer {
         Answer::Nearest(hits) => {
             hits.prim.fill(MISS);
@@ -69,12 +77,17 @@ pub(in crate::methods) fn trace(
         capacity: ActiveRays::capacity(memory.active.rays()),
         counters: Counters::default(),
         watch,
+        log,
+        stored,
     };
     let root = List {
         start: 0,
         len: prepared.valid,
     };
-    divide.start(rays.scene, root);
+    match sent {
+        None => divide.start(rays.scene, root),
+        Some((stored, how)) => divide.send(stored, root, how),
+    }
     let counters = divide.counters;
     match answer {
         Answer::Nearest(hits) => {

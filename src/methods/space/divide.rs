@@ -8,6 +8,7 @@ use crate::kernels::{
     TriangleLists,
 };
 use crate::methods::Counters;
+use crate::methods::stored::Stored;
 use crate::methods::watch::Watch;
 
 /// One trace under way.
@@ -32,6 +33,8 @@ pub(super) struct Divide<'a> {
     pub counters: Counters,
     /// Who watches a ray, if somebody does.
     pub watch: Option<&'a mut Watch>,
+    /// Where the splits are kept, if they are.
+    pub stored: Option<&'a mut Stored>,
 }
 
 /// Which half of a cell comes first.
@@ -71,7 +74,10 @@ impl Divide<'_> {
             return self.naive(cell, part);
         };
         let mut first_share = None;
-        for side in self.sides(split, part.directions) {
+        let sides = self.sides(split, part.directions);
+        self.store_split(cell, sides.map(|side| cell.half(side).bounds));
+        for (place, side) in sides.into_iter().enumerate() {
+            self.store_child(place);
             let all = Range {
                 from: self.terminated,
                 to: part.rays,
@@ -82,6 +88,7 @@ impl Divide<'_> {
                 self.divide(&half, inside);
             }
         }
+        self.store_child(2);
     }
 
     /// The number of triangles without copies, which come first in the list from now on.
@@ -139,7 +146,7 @@ impl Divide<'_> {
     }
 
     /// NaiveRT, and early ray termination.
-    fn naive(&mut self, cell: &Cell, part: Part) {
+    pub(super) fn naive(&mut self, cell: &Cell, part: Part) {
         let list = Range {
             from: self.terminated,
             to: part.rays,
@@ -147,6 +154,7 @@ impl Divide<'_> {
         self.counters.leaves += 1;
         self.counters.ray_triangle += (list.len() * part.triangles) as u64;
         self.watch_leaf(cell, part.triangles, list);
+        self.store_leaf(cell, part.triangles);
         let triangles = Listed {
             lists: &self.lists,
             triangles: self.triangles,

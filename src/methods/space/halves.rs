@@ -70,8 +70,12 @@ impl<'a> Divide<'a> {
             }
             // Filtering for the other half reorders the lists.
             let across = side.opposite();
+            let before = self.counters.ray_box;
             let other = share(filter(self, &cell.half(across), across, part));
             filter(self, &half, side, part);
+            if let Some(stored) = &mut self.stored {
+                stored.extra_box += self.counters.ray_box - before;
+            }
             other
         });
         half.growth.charge(own, other);

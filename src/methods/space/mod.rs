@@ -8,6 +8,7 @@ mod memory;
 mod octants;
 mod packets;
 mod parameters;
+mod stored;
 mod trace;
 mod watched;
 

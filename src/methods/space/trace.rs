@@ -6,7 +6,7 @@ use super::{Memory, SpaceParameters, Variant};
 use crate::kernels::{Directions, Range};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
-use crate::methods::watch::Watch;
+use crate::methods::observer::Observer;
 use crate::rays::MISS;
 
 /// Traces a batch by splitting space.
@@ -15,13 +15,26 @@ pub(in crate::methods) fn trace(
     parameters: &SpaceParameters,
     memory: &mut Memory,
     answer: Answer,
-    mut watch: Option<&mut Watch>,
+    observer: Observer,
 ) -> Trace {
     let (batch, kernels) = (job.batch, job.kernels);
+    let (mut watch, mut stored, mut sent) = (None, None, None);
+    match observer {
+        Observer::None => {}
+        Observer::Ray(ray) => watch = Some(ray),
+        Observer::Nodes(_) => panic!("nodes are those of afra2012 and nabata2013"),
+        Observer::Store(tree) => stored = Some(tree),
+        Observer::Send(tree, how) => sent = Some((tree, how)),
+    }
     let variant = match job.shared_origin {
         Some(_) => parameters.variant,
         None => Variant::Random,
     };
+    let is_kept = stored.is_some() || sent.is_some();
+    assert!(
+        !is_kept || variant != Variant::Cones && !parameters.octants,
+        "of cones and octants no tree is kept"
+    );
     let any_hit = matches!(answer, Answer::Any(_));
     let (lists, cones) = (memory.lists(), memory.cones());
     let mut rays = memory.rays(job, any_hit);
@@ -58,6 +71,7 @@ pub(in crate::methods) fn trace(
         terminated_cones: 0,
         counters: Counters::default(),
         watch,
+        stored,
     };
     let all = Part {
         rays: of_rays.valid,
@@ -74,33 +88,40 @@ pub(in crate::methods) fn trace(
         if !filters_root {
             divide.watch_cell(&root, all.triangles, list, all.rays);
         }
-        match variant {
-            Variant::Basic => divide.divide(&root, all),
-            Variant::Cones => {
-                // SAFETY: as above; the batch shares its origin.
-                let made = unsafe {
-                    let least_cosine = libm::cos((parameters.widest_cone as f64).to_radians());
-                    (kernels.prepare_cones)(batch, &rays, &cones, least_cosine as f32)
-                };
-                let with = |rays| Part { rays, ..all };
-                if made.loose > 0 {
-                    divide.divide(&root, with(made.loose));
-                }
-                if made.cones > 0 {
-                    divide.divide_packets(&root, with(made.cones));
-                }
-            }
-            Variant::Random if parameters.octants => divide.divide_octants(&root, all),
-            Variant::Random => {
-                let (rays, directions) = divide.filter_rays(&root, list);
-                divide.watch_cell(&root, all.triangles, list, rays);
-                if rays > 0 {
-                    let part = Part {
-                        rays,
-                        directions,
-                        ..all
+        if let Some(stored) = &mut divide.stored {
+            stored.filters_root = filters_root;
+        }
+        if let Some((tree, how)) = sent {
+            divide.send(tree, all.rays, how);
+        } else {
+            match variant {
+                Variant::Basic => divide.divide(&root, all),
+                Variant::Cones => {
+                    // SAFETY: as above; the batch shares its origin.
+                    let made = unsafe {
+                        let least_cosine = libm::cos((parameters.widest_cone as f64).to_radians());
+                        (kernels.prepare_cones)(batch, &rays, &cones, least_cosine as f32)
                     };
-                    divide.divide(&root, part);
+                    let with = |rays| Part { rays, ..all };
+                    if made.loose > 0 {
+                        divide.divide(&root, with(made.loose));
+                    }
+                    if made.cones > 0 {
+                        divide.divide_packets(&root, with(made.cones));
+                    }
+                }
+                Variant::Random if parameters.octants => divide.divide_octants(&root, all),
+                Variant::Random => {
+                    let (rays, directions) = divide.filter_rays(&root, list);
+                    divide.watch_cell(&root, all.triangles, list, rays);
+                    if rays > 0 {
+                        let part = Part {
+                            rays,
+                            directions,
+                            ..all
+                        };
+                        divide.divide(&root, part);
+                    }
                 }
             }
         }

@@ -72,6 +72,8 @@ pub enum Command {
     Trace(TraceArgs),
     /// Show what becomes of one ray, step by step, and who is right about it
     Replay(ReplayArgs),
+    /// Write down each node of a trace: how it was split, and how it might have been
+    Nodes(NodesArgs),
     /// Make pictures of a scene
     Render(RenderArgs),
     /// List the scenes and where their meshes are
@@ -189,7 +191,8 @@ pub struct RunArgs {
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub scenes: Option<Vec<String>>,
     /// Cameras of the scenes by name; generated: 16 that the program makes, of which generated-1 is
-    /// the first [default: the first of each scene]
+    /// the first; generated-lens: with the lens of a camera of the scene
+    /// [default: the first of each scene]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub cameras: Option<Vec<String>>,
     /// Ray types: primary, shadow-point, shadow-area, reflection, ambient-occlusion, dof,
@@ -254,6 +257,10 @@ pub struct RunArgs {
     /// Time other libraries, too: obvhs, bvh (dacrt must be built with --features peers)
     #[arg(long)]
     pub peers: bool,
+    /// Keep the splits of each trace (not of best, cones and octants) as a tree and send its rays
+    /// through that, together and one by one; `dacrt table --twins` shows it
+    #[arg(long)]
+    pub twins: bool,
     #[command(flatten)]
     pub meshes: MeshArgs,
     #[command(flatten)]
@@ -371,6 +378,13 @@ pub struct TableArgs {
     /// Memory: our workspace beside the trees of Embree and of other libraries
     #[arg(long, conflicts_with_all = ["over", "errors", "csv"])]
     pub memory: bool,
+    /// Cost function, order and skipping of ray sampling: what each gives alone, beside the others,
+    /// and together, of a file that has all eight combinations (`dacrt sweep ablation`)
+    #[arg(long, conflicts_with_all = ["over", "errors", "csv", "memory"])]
+    pub ablation: bool,
+    /// Stored splits: a trace beside its rays sent through the tree of its splits
+    #[arg(long, conflicts_with_all = ["over", "errors", "csv", "memory", "ablation"])]
+    pub twins: bool,
 }
 
 /// What is drawn.
@@ -378,6 +392,7 @@ pub struct TableArgs {
 pub enum Plot {
     Errors,
     Growth,
+    Nodes,
 }
 
 #[derive(Args)]
@@ -388,11 +403,14 @@ errors  Nanoseconds a ray against answers that are not those of exact arithmetic
         line at the bottom. For few errors to be seen, many rays have to be judged: --exact-all.
 growth  Milliseconds against the number of rays and of triangles, both logarithmic, of a file of
         `dacrt bench growth`; the grey line is n log n through the last point of best.
+nodes   Of a table of `dacrt nodes` as .csv: estimated against true intersection ratios; wrong
+        skips by the number of rays; regret, and share of the box tests, by depth.
 
 Examples:
   dacrt run --scenes hall,soup --precision fast,watertight,exact --exact-all 1000000
   dacrt plot errors dacrt-run.json --out errors.svg
-  dacrt plot growth growth.json --out growth.svg")]
+  dacrt plot growth growth.json --out growth.svg
+  dacrt plot nodes dacrt-nodes.csv --out nodes.svg")]
 pub struct PlotArgs {
     /// What to draw
     #[arg(value_enum)]
@@ -408,20 +426,29 @@ pub struct PlotArgs {
 /// A paper with figures to set ours beside.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Paper {
+    Nabata2013,
     Mora2011,
 }
 
 #[derive(Args)]
 #[command(after_help = "\
-mora2011  Fig. 8: ray/box, cone/box, triangle/box and ray/triangle tests, nodes and frames a second
-          of mora2011 (basic) and mora2011-cones, primary rays, and of the latter with the shadow
-          rays of a point light; then what the cones save. Beside ours stand the least and the
-          greatest figure that the paper has over its scenes.
+nabata2013  The pictures of Figs. 4 to 7 at 512x512 pixels with 1, 4, 16 and 64 samples, each the sum
+            of its batches (primary, reflected and shadow rays, or all bounces), without and with ray
+            sampling; how the ratio goes with the size and the bounce (Fig. 8); the ablation of
+            section 5; rates. Cameras are ours, the paper prints none: the scene's own and, for the
+            range that the paper's ratios are held against, --cameras N that the program makes.
+            All sizes and 16 cameras take a day; --quick takes minutes.
+mora2011    Fig. 8: ray/box, cone/box, triangle/box and ray/triangle tests, nodes and frames a second
+            of mora2011 (basic) and mora2011-cones, primary rays, and of the latter with the shadow
+            rays of a point light; then what the cones save. Beside ours stand the least and the
+            greatest figure that the paper has over its scenes.
 
 Everything is checked as by `dacrt run` (no time without right hits), and the result file is of the
 same kind. Scenes whose mesh is not found are left out unless --scenes names them.
 
 Examples:
+  dacrt paper nabata2013 --quick
+  dacrt paper nabata2013 --cameras 16 --resume
   dacrt paper mora2011
   dacrt paper mora2011 --scenes hall --resolution 320x200        needs no mesh file
   dacrt paper mora2011 --from results/2026-11-22-zen5-mora-fig8.json.gz")]
@@ -429,21 +456,30 @@ pub struct PaperArgs {
     /// Which paper
     #[arg(value_enum)]
     pub paper: Paper,
-    /// Scenes to trace (see `dacrt scenes`) [default: sibenik,conference,sponza,bunny]
+    /// Scenes to trace (see `dacrt scenes`) [default: those of the paper; of mora2011
+    /// sibenik,conference,sponza,bunny]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub scenes: Option<Vec<String>>,
-    /// Picture size in pixels; the default is the paper's
+    /// Picture size in pixels; the default is the paper's: 512x512, 1280x800
+    #[arg(long, value_name = "N|WxH", allow_negative_numbers = true)]
+    pub resolution: Option<Resolution>,
+    /// Cameras of nabata2013 besides our own, at most 16
     #[arg(
         long,
-        value_name = "N|WxH",
-        default_value = "1280x800",
-        allow_negative_numbers = true
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true,
+        value_parser = whole(0..=dacrt::workloads::GENERATED_CAMERAS as u32)
     )]
-    pub resolution: Resolution,
+    pub cameras: u32,
+    /// Of nabata2013 one camera, 1 and 4 samples a pixel, at most 3 repeats; of mora2011 at most 3
+    /// repeats
+    #[arg(long)]
+    pub quick: bool,
     #[command(flatten)]
     pub repeats: RepeatArgs,
     /// Measure nothing: print the table of this result file
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "resume"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "resume", "quick", "cameras"])]
     pub from: Option<PathBuf>,
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-paper.json")]
@@ -837,6 +873,60 @@ impl What {
             What::Boxes => "boxes",
         }
     }
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+A row is a node, in the order in which they are come to: how it was split, how the surface area
+heuristic and all active rays would have split it and what that costs, intersection ratios as
+estimated by samples and as they are, sample counts, box tests. As .csv, or columns as .npz; the
+documentation of dacrt_validate::nodes has the columns. All candidates are tested with all rays,
+which takes some 60 times as long as the trace.
+
+Examples:
+  dacrt nodes sibenik --out nodes.csv
+  dacrt nodes sibenik --rays diffuse-2 --second-sample true --out nodes.npz
+  dacrt plot nodes nodes.csv --out nodes.svg")]
+pub struct NodesArgs {
+    /// Scene (see `dacrt scenes`)
+    pub scene: String,
+    /// Camera by name, or generated-1 ... generated-16 [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Ray type
+    #[arg(long, value_name = "TYPE", default_value = "primary")]
+    pub rays: String,
+    /// Picture size in pixels
+    #[arg(
+        long,
+        value_name = "N|WxH",
+        default_value = "512",
+        allow_negative_numbers = true
+    )]
+    pub resolution: Resolution,
+    /// Samples per pixel, a square number
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "1",
+        allow_negative_numbers = true
+    )]
+    pub spp: Spp,
+    /// Method: afra2012 or nabata2013
+    #[arg(long, value_name = "NAME", default_value = "nabata2013")]
+    pub method: String,
+    /// Precision of the triangle test: fast, watertight or exact
+    #[arg(long, value_name = "NAME", default_value = "fast")]
+    pub precision: String,
+    /// Where the nodes go: .csv or .npz
+    #[arg(long, value_name = "FILE", default_value = "dacrt-nodes.csv")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
+    #[command(flatten)]
+    pub knobs: KnobLists,
 }
 
 #[derive(Args)]

@@ -273,6 +273,8 @@ impl Growth {
             out: folder.path().join("point.json"),
             resume: false,
             peers: false,
+            shade: false,
+            twins: false,
             sweep: None,
             warnings: Vec::new(),
         };

@@ -13,7 +13,7 @@ type Knob = (&'static str, &'static str);
 
 /// All fields but `variant`, which the method decides; for each kind of methods those
 /// with a name of their own in the papers first.
-const KNOBS: [Knob; 35] = [
+const KNOBS: [Knob; 36] = [
     ("bins", "Bins that a node's triangles are sorted into"),
     ("samples", "Sample rays of a node"),
     (
@@ -35,6 +35,10 @@ const KNOBS: [Knob; 35] = [
     (
         "one-ray",
         "How one ray decides the order of children: axis-sign or entry",
+    ),
+    (
+        "lists",
+        "Where the active rays of a child are kept: auto, copied or in-place",
     ),
     (
         "cost",

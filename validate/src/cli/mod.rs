@@ -11,6 +11,7 @@ mod hard;
 mod ingredients;
 mod knobs;
 mod merge;
+mod nodes;
 mod paper;
 mod picture;
 mod plan;
@@ -65,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Plot(args) => plot::plot(&args),
         Command::Paper(args) => paper::paper(&args),
         Command::Bench(args) => bench::bench(&args),
+        Command::Nodes(args) => nodes::nodes(&args),
         Command::Render(args) => render::render(&args),
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Schema(args) => schema::schema(&args),

@@ -121,6 +121,10 @@ pub struct RunPlan {
     pub resume: bool,
     /// Whether other libraries are timed, too.
     pub peers: bool,
+    /// Whether a pass that shades what the rays hit is timed, too.
+    pub shade: bool,
+    /// Whether rays are sent through the stored splits of traces, too.
+    pub twins: bool,
     /// The sweep that this is, or is a shard of.
     pub sweep: Option<SweepRun>,
     pub warnings: Vec<String>,
@@ -159,6 +163,8 @@ impl RunPlan {
             out: args.out.clone(),
             resume: args.resume,
             peers: args.peers,
+            shade: false,
+            twins: args.twins,
             sweep: None,
             warnings,
         })

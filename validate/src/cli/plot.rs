@@ -1,6 +1,8 @@
-//! `dacrt plot`: time against errors as a scatter, a panel a ray type; and growth ([`growth`]).
+//! `dacrt plot`: time against errors as a scatter, a panel a ray type; growth ([`growth`]); nodes
+//! ([`nodes`]).
 
 mod growth;
+mod nodes;
 
 use super::Verdict;
 use super::args::{Plot, PlotArgs};
@@ -23,12 +25,23 @@ pub fn plot(args: &PlotArgs) -> anyhow::Result<Verdict> {
     let (svg, what) = match args.what {
         Plot::Errors => errors(args)?,
         Plot::Growth => growth_of(args)?,
+        Plot::Nodes => nodes_of(args)?,
     };
     let path = args.out.display();
     atomic::write(&args.out, |file| file.write_all(svg.as_bytes()))
         .with_context(|| format!("{path}: cannot be written"))?;
     print(&format!("{path}: {what}\n"))?;
     Ok(Verdict::Good)
+}
+
+/// Estimates and splits of the nodes of one trace, and how many these are.
+fn nodes_of(args: &PlotArgs) -> anyhow::Result<(String, String)> {
+    let [file] = &args.files[..] else {
+        bail!("`plot nodes` draws one file");
+    };
+    let rows = dacrt_validate::nodes::read(file)?;
+    ensure!(!rows.is_empty(), "{}: has no nodes", file.display());
+    Ok((nodes::draw(&rows)?, counted(rows.len() as u64, "node")))
 }
 
 /// Time against numbers, and how much that was.

@@ -80,6 +80,15 @@ fn facing_normal(mesh: &Mesh, batch: &Batch, hits: &Hits, i: usize) -> Vec3 {
     }
 }
 
+/// A grey for each ray, by the angle between it and what it hits; a miss is black.
+pub fn flat(mesh: &Mesh, batch: &Batch, hits: &Hits, greys: &mut [u8]) {
+    for (i, grey) in greys.iter_mut().enumerate() {
+        let normal = facing_normal(mesh, batch, hits, i);
+        let view = -batch.ray(i).direction.normalize_or_zero();
+        *grey = (255.0 * normal.dot(view).clamp(0.0, 1.0)) as u8;
+    }
+}
+
 /// Distance: the nearest hit is white, the farthest dark grey, a miss black.
 pub fn depth(film: Film, hits: &Hits) -> Picture {
     let found = || hits.t.iter().copied().filter(|t| t.is_finite());

@@ -3,13 +3,15 @@
 use super::args::MeshArgs;
 use super::engine::Engine;
 use anyhow::{Context, ensure};
-use dacrt::scene::{Description, MeshSource, SceneError, find, locate, no_such};
+use dacrt::scene::{Description, Lens, MeshSource, SceneError, find, locate, no_such};
 use dacrt::workloads::{Camera, GENERATED_CAMERAS, RayType, View, generated_cameras};
 use dacrt::{Mesh, Method, Tracer};
 use std::path::{Path, PathBuf};
 
 /// Cameras that the program makes are called this, a hyphen, and a number from 1 on.
 const GENERATED: &str = "generated";
+/// The same with the lens of the first camera that has one.
+const GENERATED_LENS: &str = "generated-lens";
 
 /// A scene that is ready to be loaded.
 pub struct SceneSource {
@@ -60,15 +62,19 @@ impl SceneSource {
         name.unwrap_or(&self.description.cameras[0].name)
     }
 
-    /// The names of cameras, `generated` for all of those; an error if one does not exist.
+    /// The names of cameras, `generated` and `generated-lens` for all of those; an error if one does
+    /// not exist.
     pub fn cameras(&self, names: &[String]) -> anyhow::Result<Vec<String>> {
         let described = self.description.cameras.iter().map(|c| c.name.clone());
-        let generated = || (1..=GENERATED_CAMERAS).map(|i| format!("{GENERATED}-{i}"));
-        let all: Vec<String> = described.chain(generated()).collect();
+        let mut all: Vec<String> = described.collect();
+        all.extend(numbered(GENERATED));
+        if self.lens().is_some() {
+            all.extend(numbered(GENERATED_LENS));
+        }
         let mut cameras = Vec::new();
         for name in names {
             let meant = match name.as_str() {
-                GENERATED => generated().collect(),
+                GENERATED | GENERATED_LENS => numbered(name).collect(),
                 _ => vec![name.clone()],
             };
             for name in meant {
@@ -87,13 +93,21 @@ impl SceneSource {
         Ok(cameras)
     }
 
+    /// The lens of the first camera that has one.
+    fn lens(&self) -> Option<Lens> {
+        let mut lenses = self.description.cameras.iter().filter_map(|c| c.lens);
+        lenses.next()
+    }
+
     /// An error if a camera of this name, or the scene, lacks what these rays need.
     pub fn allows(&self, camera: Option<&str>, rays: RayType) -> anyhow::Result<()> {
         let camera = self.camera_name(camera);
         let described = self.described(camera).unwrap_or_else(|| {
-            // Those that are made are pinholes.
             let mut first = self.description.cameras[0].clone();
-            first.lens = None;
+            first.lens = match camera.starts_with(GENERATED_LENS) {
+                true => self.lens(),
+                false => None,
+            };
             first
         });
         let view = self.description.view(described.camera()?);
@@ -136,12 +150,12 @@ impl<'a> Views<'a> {
             Some(camera) => camera
                 .camera()
                 .with_context(|| format!("{}, camera {name}", json.display()))?,
-            None => *self.generated(name)?,
+            None => self.generated(name)?,
         };
         Ok(description.view(camera))
     }
 
-    fn generated(&mut self, name: &str) -> anyhow::Result<&Camera> {
+    fn generated(&mut self, name: &str) -> anyhow::Result<Camera> {
         if self.generated.is_empty() {
             let first = &self.source.description.cameras[0];
             let mut engine = Engine::new(Tracer::new(Method::Afra2012.parameters()), self.mesh);
@@ -153,18 +167,35 @@ impl<'a> Views<'a> {
                 &mut |batch| engine.nearest(batch).0,
             )?;
         }
-        let number = name
-            .strip_prefix(GENERATED)
-            .and_then(|n| n.strip_prefix('-'));
-        let number = number.and_then(|n| n.parse::<usize>().ok());
-        (number.and_then(|n| self.generated.get(n.checked_sub(1)?))).with_context(|| {
-            format!(
-                "{}: there is no camera {name}; {} could be made",
-                self.source.json.display(),
-                self.generated.len()
-            )
-        })
+        let place = |group| numbered(group).position(|known| known == name);
+        let with_lens = place(GENERATED_LENS);
+        let camera = (with_lens.or_else(|| place(GENERATED)))
+            .and_then(|i| self.generated.get(i).copied())
+            .with_context(|| {
+                format!(
+                    "{}: there is no camera {name}; {} could be made",
+                    self.source.json.display(),
+                    self.generated.len()
+                )
+            })?;
+        match self.source.lens().filter(|_| with_lens.is_some()) {
+            Some(Lens { radius, focus }) => {
+                Ok(camera.with_lens(dacrt::workloads::Lens { radius, focus })?)
+            }
+            None => Ok(camera),
+        }
     }
+}
+
+/// The name of the n-th camera that the program makes, from 1 on.
+pub fn generated(n: u32, with_lens: bool) -> String {
+    let group = if with_lens { GENERATED_LENS } else { GENERATED };
+    format!("{group}-{n}")
+}
+
+/// The names of all cameras of a group that the program makes.
+fn numbered(group: &str) -> impl Iterator<Item = String> {
+    (1..=GENERATED_CAMERAS).map(move |i| format!("{group}-{i}"))
 }
 
 /// Where the scene descriptions of this repository are.

@@ -92,6 +92,8 @@ fn plan(args: &SweepArgs) -> anyhow::Result<RunPlan> {
         out,
         resume: true,
         peers: false,
+        shade: false,
+        twins: false,
         sweep: Some(SweepRun {
             file,
             shard: args.shard.map(|s| [s.place, s.of]),

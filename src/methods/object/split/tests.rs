@@ -83,6 +83,8 @@ fn at_root(
         capacity: ActiveRays::capacity(batch.len()),
         counters: Counters::default(),
         watch: None,
+        log: None,
+        stored: None,
     };
     let root = Node {
         bounds: bounds.bounds(),

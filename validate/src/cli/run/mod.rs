@@ -5,11 +5,13 @@ mod cells;
 mod contest;
 mod findings;
 mod reference;
+mod twin;
 
 use super::args::RunArgs;
 use super::engine::{Engine, Workspaces};
 use super::plan::{Contestant, Round, RunPlan, SceneJob};
 use super::progress::Progress;
+use super::shade;
 use super::source::{SceneSource, Views};
 use super::table::Report;
 use super::text::print;
@@ -27,7 +29,10 @@ use dacrt_validate::judge::Judge;
 use dacrt_validate::machine::{Machine, Software};
 use dacrt_validate::peers;
 use dacrt_validate::results::{Cell, CellKey, Document, SCHEMA};
+use dacrt_validate::statistics::median;
 use reference::PeerTree;
+use std::time::Instant;
+use twin::{has_twin, twin};
 
 pub use answers::Answers;
 pub use cells::BatchKey;
@@ -314,6 +319,7 @@ impl Bench<'_> {
                 time_over_fast: None,
                 time_over_fast_interval: None,
                 counters: as_object(&trace.counters)?,
+                shade_ms: None,
                 workspace_bytes,
                 hits: answers.hit_count(),
                 hit_hash,
@@ -325,6 +331,7 @@ impl Bench<'_> {
                 ratio_embree_trace: None,
                 ratio_embree_trace_interval: None,
                 peers: Vec::new(),
+                twin: None,
             });
             if !is_finding {
                 entrants.push(Entrant {
@@ -339,7 +346,65 @@ impl Bench<'_> {
 
         step("measuring");
         self.measure(&batch, round, &entrants, &mut workspaces, &mut cells);
+        if self.plan.twins && !batch.is_empty() {
+            step("sending rays through stored splits");
+            self.twins(&batch, &entrants, &mut workspaces, &mut cells);
+        }
+        if let (true, Some(entrant)) = (self.plan.shade, entrants.first()) {
+            let shade_ms = self.shade(&batch, &entrant.answers);
+            let measured = cells.iter_mut().filter(|cell| cell.median_ms.is_some());
+            measured.for_each(|cell| cell.shade_ms = shade_ms);
+        }
         Ok(cells)
+    }
+
+    fn twins(
+        &self,
+        batch: &Batch,
+        entrants: &[Entrant],
+        workspaces: &mut Workspaces,
+        cells: &mut [Cell],
+    ) {
+        for entrant in entrants {
+            let workspace = workspaces.of(&entrant.parameters);
+            let mut answers = entrant.answers.clone();
+            let trace = answers.trace(&entrant.tracer, self.mesh, batch, workspace);
+            if has_twin(&entrant.parameters, &trace) {
+                let repeats = self.plan.repeats;
+                let twin = twin(
+                    &entrant.tracer,
+                    self.mesh,
+                    batch,
+                    workspace,
+                    &answers,
+                    repeats,
+                );
+                if !twin.is_equal() {
+                    let cell = &cells[entrant.place].key;
+                    self.progress.warn(&format!(
+                        "{} {} {}: other tests or hits by the stored splits",
+                        cell.scene, cell.rays, cell.method
+                    ));
+                }
+                cells[entrant.place].twin = Some(twin);
+            }
+        }
+    }
+
+    /// Median milliseconds of shading what the rays hit; none of any-hit rays.
+    fn shade(&self, batch: &Batch, answers: &Answers) -> Option<f64> {
+        let Answers::Nearest(hits) = answers else {
+            return None;
+        };
+        let mut greys = vec![0; batch.len()];
+        let samples: Vec<f64> = (0..self.plan.repeats)
+            .map(|_| {
+                let start = Instant::now();
+                shade::flat(self.mesh, batch, hits, &mut greys);
+                start.elapsed().as_secs_f64() * 1e3
+            })
+            .collect();
+        median(&samples)
     }
 
     fn measure(

@@ -1,11 +1,13 @@
 //! `dacrt table`: a result file for people, or as CSV.
 
+mod ablation;
 mod csv;
 mod errors;
 mod lines;
 mod memory;
 pub mod over;
 mod report;
+mod twins;
 
 pub use report::Report;
 
@@ -25,6 +27,11 @@ pub fn table(args: &TableArgs) -> anyhow::Result<Verdict> {
         Some(name) => over::one(&document, name)
             .with_context(|| format!("{path}: --over {name}: {}", nothing_over(&document)))?,
         None if args.csv => csv::text(&document)?,
+        None if args.ablation => ablation::text(&document.cells).with_context(|| {
+            format!("{path}: --ablation: no batch has all combinations of cost, order and skip")
+        })?,
+        None if args.twins => twins::text(&document.cells)
+            .with_context(|| format!("{path}: --twins: `dacrt run --twins` measures them"))?,
         None if args.memory => memory::text(&document),
         None if args.errors => errors::text(&document).with_context(|| {
             format!("{path}: --errors: its errors were not counted; `dacrt run` counts them")

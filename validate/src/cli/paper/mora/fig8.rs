@@ -2,8 +2,11 @@
 //! one light.
 
 use crate::cli::text::columns;
-use dacrt_validate::results::{Cell, CellKey, Document};
+use dacrt_validate::results::Cell;
 use dacrt_validate::statistics::{Ratio, paired_ratio};
+
+/// Pixels.
+pub const SIZE: [u32; 2] = [1280, 800];
 
 /// Least and greatest value over the four scenes of the printed figure: Erw6 (806 triangles),
 /// Conference (282,000), Blade (1,760,000) and one without a name.
@@ -65,41 +68,22 @@ const COUNTERS: [&str; 5] = [
 const RAY_BOX: usize = 0;
 const CONE_BOX: usize = 1;
 
-/// The figure as it grows.
+/// The figure as measured.
 #[derive(Default)]
 pub struct Figure {
+    size: [u32; 2],
     /// In the order that they are printed in.
-    pub scenes: Vec<Scene>,
+    scenes: Vec<Scene>,
 }
 
 /// What was measured in one scene.
-pub struct Scene {
+#[derive(Default)]
+struct Scene {
     name: String,
-    mesh_is_missing: bool,
     /// `mora2011` and `mora2011-cones`.
     primary: Vec<Cell>,
     /// `mora2011-cones`.
     light: Vec<Cell>,
-}
-
-impl Scene {
-    /// Not measured yet.
-    pub fn new(name: String) -> Scene {
-        Scene {
-            name,
-            mesh_is_missing: false,
-            primary: Vec::new(),
-            light: Vec::new(),
-        }
-    }
-
-    /// Never to be measured.
-    pub fn missing(name: String) -> Scene {
-        Scene {
-            mesh_is_missing: true,
-            ..Scene::new(name)
-        }
-    }
 }
 
 /// What a picture took.
@@ -107,25 +91,34 @@ impl Scene {
 struct Work {
     /// None if the hits are wrong.
     ms: Option<f64>,
+    /// Likewise with flat shading; none, too, where that was not measured.
+    shaded_ms: Option<f64>,
     /// As [`COUNTERS`].
     counts: [f64; 5],
 }
 
 impl Work {
     fn of(cell: &Cell) -> Work {
+        // A batch without rays takes no time.
+        let ms = (!cell.is_wrong()).then_some(cell.median_ms.unwrap_or(0.0));
+        // Shadow rays are shaded with what they start from.
+        let shading = if cell.any_hit {
+            Some(0.0)
+        } else {
+            cell.shade_ms
+        };
         Work {
-            ms: match cell.is_wrong() {
-                true => None,
-                // A batch without rays takes no time.
-                false => Some(cell.median_ms.unwrap_or(0.0)),
-            },
+            ms,
+            shaded_ms: ms.zip(shading).map(|(ms, shading)| ms + shading),
             counts: COUNTERS.map(|name| cell.counters[name].as_f64().unwrap_or(f64::NAN)),
         }
     }
 
     fn and(self, other: Work) -> Work {
+        let sum = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a + b);
         Work {
-            ms: self.ms.zip(other.ms).map(|(a, b)| a + b),
+            ms: sum(self.ms, other.ms),
+            shaded_ms: sum(self.shaded_ms, other.shaded_ms),
             counts: std::array::from_fn(|i| self.counts[i] + other.counts[i]),
         }
     }
@@ -136,51 +129,53 @@ impl Work {
 }
 
 impl Figure {
-    /// The figure of a result file, which may have other cells, too; those of the first size and
-    /// precision count.
-    pub fn of(document: &Document) -> Figure {
+    /// The figure of cells of which some are others'; those of the size and precision of the first of
+    /// `mora2011` count, which no other figure has. None without one.
+    pub fn of(cells: &[Cell]) -> Figure {
         let mut figure = Figure::default();
-        for cell in &document.cells {
-            let (key, first) = (&cell.key, &document.cells[0].key);
+        let is_basic = |cell: &&Cell| cell.key.method == "mora2011" && cell.key.rays == "primary";
+        let Some(first) = cells.iter().find(is_basic).map(|cell| &cell.key) else {
+            return figure;
+        };
+        figure.size = first.resolution;
+        for cell in cells {
+            let key = &cell.key;
             if (key.resolution, &key.precision) != (first.resolution, &first.precision) {
                 continue;
             }
-            if !figure.scenes.iter().any(|scene| scene.name == key.scene) {
-                figure.scenes.push(Scene::new(key.scene.clone()));
-            }
-            figure.take(cell);
-        }
-        figure
-    }
-
-    /// Takes a cell in, if it is one of the figure and of its scenes.
-    pub fn take(&mut self, cell: &Cell) {
-        let CellKey {
-            scene,
-            rays,
-            method,
-            ..
-        } = &cell.key;
-        for scene in self.scenes.iter_mut().filter(|s| s.name == *scene) {
-            match (rays.as_str(), method.as_str()) {
+            let place = match figure.scenes.iter().position(|s| s.name == key.scene) {
+                Some(place) => place,
+                None => {
+                    figure.scenes.push(Scene {
+                        name: key.scene.clone(),
+                        ..Scene::default()
+                    });
+                    figure.scenes.len() - 1
+                }
+            };
+            let scene = &mut figure.scenes[place];
+            match (key.rays.as_str(), key.method.as_str()) {
                 ("primary", "mora2011" | "mora2011-cones") => scene.primary.push(cell.clone()),
                 ("shadow-point", "mora2011-cones") => scene.light.push(cell.clone()),
                 _ => {}
             }
         }
+        figure
     }
 
-    /// Whether a scene has all of its cells.
+    /// Whether no scene has all of its cells.
     pub fn is_empty(&self) -> bool {
         let whole = |s: &Scene| s.primary.len() == 2 && s.light.len() == 1;
         !self.scenes.iter().any(whole)
     }
 
-    /// The figure for people, 100 columns at most.
-    pub fn text(&self, [width, height]: [u32; 2]) -> String {
+    /// The figure for people, 100 columns at most; `missing` are scenes without a mesh.
+    pub fn text(&self, missing: &[String]) -> String {
+        let [width, height] = self.size;
         let row = |cells: &[&str]| cells.iter().map(|s| s.to_string()).collect::<Vec<_>>();
         let mut work = vec![row(&[
-            "scene", "rays", "fps", "ray/box", "cone/box", "tri./box", "ray/tri.", "nodes",
+            "scene", "rays", "fps", "shaded", "ray/box", "cone/box", "tri./box", "ray/tri.",
+            "nodes",
         ])];
         let mut cuts = vec![
             row(&["scene", "box tests", "time", "ray/box", "triangles"]),
@@ -194,12 +189,8 @@ impl Figure {
         ];
         for scene in &self.scenes {
             let ([basic, cones], [light]) = (&scene.primary[..], &scene.light[..]) else {
-                let why = match scene.mesh_is_missing {
-                    true => "no mesh",
-                    false => "not measured",
-                };
-                work.push(row(&[&scene.name, why]));
-                cuts.push(row(&[&scene.name, why]));
+                work.push(row(&[&scene.name, "not measured"]));
+                cuts.push(row(&[&scene.name, "not measured"]));
                 continue;
             };
             let time = (basic.samples_ms.as_ref().zip(cones.samples_ms.as_ref()))
@@ -215,8 +206,9 @@ impl Figure {
             for (i, (name, done)) in lines.into_iter().enumerate() {
                 let scene = if i == 0 { scene.name.as_str() } else { "" };
                 let fps = done.ms.map_or("WRONG".to_owned(), |ms| short(1e3 / ms));
+                let shaded = done.shaded_ms.map_or("-".to_owned(), |ms| short(1e3 / ms));
                 let counts = done.counts.map(short);
-                work.push([row(&[scene, name, &fps]), counts.to_vec()].concat());
+                work.push([row(&[scene, name, &fps, &shaded]), counts.to_vec()].concat());
             }
             cuts.push(row(&[
                 &scene.name,
@@ -226,6 +218,10 @@ impl Figure {
                 &short(triangles),
             ]));
         }
+        for scene in missing {
+            work.push(row(&[scene, "no mesh"]));
+            cuts.push(row(&[scene, "no mesh"]));
+        }
         let printed = [
             ("Mora 2011", "basic", BASIC),
             ("", "cones", CONES),
@@ -234,7 +230,7 @@ impl Figure {
         for (scene, name, printed) in printed {
             let counts = printed.counts.map(range);
             let fps = range(printed.fps);
-            work.push([row(&[scene, name, &fps]), counts.to_vec()].concat());
+            work.push([row(&[scene, name, "", &fps]), counts.to_vec()].concat());
         }
         cuts.push(row(&[
             "Mora 2011",
@@ -247,7 +243,7 @@ impl Figure {
             "Fig. 8: rays in conic packets; {} x {} pixels (Mora 2011: 1280 x 800)\n\n{}\n{}{NOTES}",
             width,
             height,
-            columns(&work, &[2, 3, 4, 5, 6, 7]),
+            columns(&work, &[2, 3, 4, 5, 6, 7, 8]),
             columns(&cuts, &[1, 2, 3, 4]),
         )
     }
@@ -255,13 +251,13 @@ impl Figure {
 
 /// What has to be known of the figures.
 const NOTES: &str = "
-fps: 1000 over the milliseconds of our traces, one thread, no shading; Mora's, on one thread of a
-3 GHz Core 2, have shading. `1 light` adds shadow rays from a point light. Mora's figures are ranges
+fps: 1000 over the milliseconds of our traces, one thread; shaded: with flat shading, as Mora's, which
+are of one thread of a 3 GHz Core 2. `1 light` adds shadow rays from a point light. Mora's figures are ranges
 over four scenes (triangles a pixel: over the three with a name), not targets: the cameras are
 unpublished, Conference is another version (282,000 triangles), the other scenes are not at hand.
 ";
 
-fn interval(r: Ratio) -> String {
+pub fn interval(r: Ratio) -> String {
     let [low, high] = r.interval;
     format!("{:.2} [{low:.2}, {high:.2}]", r.ratio)
 }
@@ -275,7 +271,7 @@ fn range([least, greatest]: Range) -> String {
 }
 
 /// Three digits that count, six columns at most: `0`, `0.275`, `27.5`, `888`, `208k`, `66.5M`.
-fn short(x: f64) -> String {
+pub fn short(x: f64) -> String {
     let (x, unit) = match x {
         _ if x < 999.5 => (x, ""),
         _ if x < 999.5e3 => (x / 1e3, "k"),
@@ -315,7 +311,11 @@ mod tests {
 
     #[test]
     fn times_of_two_batches_are_added_if_both_are_right() {
-        let work = |ms, n| Work { ms, counts: [n; 5] };
+        let work = |ms, n| Work {
+            ms,
+            shaded_ms: ms,
+            counts: [n; 5],
+        };
         let both = work(Some(1.0), 3.0).and(work(Some(0.5), 4.0));
         assert_eq!(both, work(Some(1.5), 7.0));
         assert_eq!(both.box_tests(), 14.0);

@@ -1,0 +1,141 @@
+//! The splits of a trace kept as a tree, through which its rays can be sent again: what is left of a method
+//! without building.
+
+use crate::geometry::Aabb;
+use crate::kernels::Item;
+
+/// The splits of one trace, as far as its rays have come.
+///
+/// About 150 bytes a node, and 32 a triangle of a leaf (4 in a tree of cells, where a triangle may be in many
+/// leaves).
+#[derive(Clone)]
+pub struct Stored {
+    pub(super) nodes: Vec<Node>,
+    /// Triangles of leaves, of lists.
+    pub(super) items: Vec<Item>,
+    /// Triangles of leaves, of cells.
+    pub(super) prims: Vec<u32>,
+    /// Whether rays are tested against the root's box, too.
+    pub(super) filters_root: bool,
+    /// Ray/box tests that no ray's way depends on: probes of long lists, and filters that only tell whether
+    /// splitting goes on.
+    pub(super) extra_box: u64,
+    /// Nodes above the one that is next, and which child it will be.
+    open: Vec<(usize, usize)>,
+}
+
+/// A node of a stored tree.
+#[derive(Clone, Copy)]
+pub(super) struct Node {
+    pub bounds: Aabb,
+    /// Range of its triangles; empty of one that is split.
+    pub from: usize,
+    pub to: usize,
+    /// In the order in which they are traversed; none of a leaf.
+    pub children: Option<[Child; 2]>,
+}
+
+/// A child of a stored node.
+#[derive(Clone, Copy)]
+pub(super) struct Child {
+    pub bounds: Aabb,
+    /// Whether all rays go on to it unfiltered.
+    pub skipped: bool,
+    /// None if no ray has come to it, or it has no triangles.
+    pub node: Option<usize>,
+}
+
+/// How rays are sent through a stored tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sent {
+    /// All together, as they were.
+    Together,
+    /// One after the other.
+    OneByOne,
+}
+
+impl Stored {
+    pub(super) fn new() -> Stored {
+        Stored {
+            nodes: Vec::new(),
+            items: Vec::new(),
+            prims: Vec::new(),
+            filters_root: false,
+            extra_box: 0,
+            open: Vec::new(),
+        }
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Number of triangles of all leaves.
+    pub fn triangles(&self) -> usize {
+        self.items.len() + self.prims.len()
+    }
+
+    /// Ray/box tests in the counters of the trace that no ray's way depended on.
+    pub fn extra_box(&self) -> u64 {
+        self.extra_box
+    }
+
+    /// Keeps a leaf whose triangles have been put at the end of their list.
+    pub(super) fn leaf(&mut self, bounds: Aabb, from: usize, to: usize) {
+        self.push(Node {
+            bounds,
+            from,
+            to,
+            children: None,
+        });
+    }
+
+    /// Keeps a split; its first child is next.
+    pub(super) fn split(&mut self, bounds: Aabb, children: [(Aabb, bool); 2]) {
+        let at = self.nodes.len();
+        self.push(Node {
+            bounds,
+            from: 0,
+            to: 0,
+            children: Some(children.map(|(bounds, skipped)| Child {
+                bounds,
+                skipped,
+                node: None,
+            })),
+        });
+        self.open.push((at, 0));
+    }
+
+    /// The second child of the last split is next.
+    pub(super) fn second(&mut self) {
+        if let Some((_, child)) = self.open.last_mut() {
+            *child = 1;
+        }
+    }
+
+    /// The last split is done.
+    pub(super) fn close(&mut self) {
+        self.open.pop();
+    }
+
+    fn push(&mut self, node: Node) {
+        let at = self.nodes.len();
+        if let Some(&(parent, child)) = self.open.last()
+            && let Some(children) = &mut self.nodes[parent].children
+        {
+            children[child].node = Some(at);
+        }
+        self.nodes.push(node);
+    }
+}
+
+impl Child {
+    /// The node that rays go on to.
+    ///
+    /// # Panics
+    /// If none has come there before.
+    pub fn reached(&self) -> usize {
+        self.node.expect("rays of the batch that the tree is of")
+    }
+}
