@@ -291,9 +291,16 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<Row>> {
     if let Format::Npz = Format::of(path)? {
         bail!("{}: only tables of nodes as .csv can be read", what());
     }
-    let mut csv = csv::Reader::from_path(path).with_context(what)?;
-    let rows: Result<Vec<Row>, csv::Error> = csv.deserialize().collect();
-    rows.with_context(|| format!("{}: is no table of nodes", what()))
+    let mut csv =
+        csv::Reader::from_path(path).with_context(|| format!("{}: cannot be read", what()))?;
+    let mut rows = Vec::new();
+    for (i, row) in csv.deserialize().enumerate() {
+        let Ok(row) = row else {
+            bail!("{}: row {} is none of a table of nodes", what(), i + 1);
+        };
+        rows.push(row);
+    }
+    Ok(rows)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::words::{self, best, digits, five};
 use super::{Opinion, Replay};
-use crate::cli::text::{columns, counted, thousands};
+use crate::cli::text::{WIDTH, columns, counted, thousands};
 use dacrt::{Event, Ray, Step, TriangleTest};
 use dacrt_validate::npy::ray_floats;
 
@@ -226,11 +226,15 @@ fn detail(test: &TriangleTest, ray: &Ray) -> String {
         Some(t) => format!("exactly met at {}", digits(t)),
         None => "exactly not met".to_owned(),
     };
-    format!(
-        "         {} / {}, in its box {} .. {}, {exact}\n",
+    let line = format!(
+        "         {} / {}, in its box {} .. {},",
         digits(num),
         digits(den),
         digits(near),
         digits(far)
-    )
+    );
+    match line.len() + 1 + exact.len() <= WIDTH {
+        true => format!("{line} {exact}\n"),
+        false => format!("{line}\n         {exact}\n"),
+    }
 }

@@ -222,6 +222,9 @@ impl Figure {
             work.push(row(&[scene, "no mesh"]));
             cuts.push(row(&[scene, "no mesh"]));
         }
+        let mut print = vec![row(&[
+            "", "rays", "shaded", "ray/box", "cone/box", "tri./box", "ray/tri.", "nodes",
+        ])];
         let printed = [
             ("Mora 2011", "basic", BASIC),
             ("", "cones", CONES),
@@ -230,7 +233,7 @@ impl Figure {
         for (scene, name, printed) in printed {
             let counts = printed.counts.map(range);
             let fps = range(printed.fps);
-            work.push([row(&[scene, name, "", &fps]), counts.to_vec()].concat());
+            print.push([row(&[scene, name, &fps]), counts.to_vec()].concat());
         }
         cuts.push(row(&[
             "Mora 2011",
@@ -240,10 +243,11 @@ impl Figure {
             &range(TRIANGLES_A_PIXEL),
         ]));
         format!(
-            "Fig. 8: rays in conic packets; {} x {} pixels (Mora 2011: 1280 x 800)\n\n{}\n{}{NOTES}",
+            "Fig. 8: rays in conic packets; {} x {} pixels (Mora 2011: 1280 x 800)\n\n{}\n{}\n{}{NOTES}",
             width,
             height,
             columns(&work, &[2, 3, 4, 5, 6, 7, 8]),
+            columns(&print, &[2, 3, 4, 5, 6, 7]),
             columns(&cuts, &[1, 2, 3, 4]),
         )
     }
@@ -251,10 +255,11 @@ impl Figure {
 
 /// What has to be known of the figures.
 const NOTES: &str = "
-fps: 1000 over the milliseconds of our traces, one thread; shaded: with flat shading, as Mora's, which
-are of one thread of a 3 GHz Core 2. `1 light` adds shadow rays from a point light. Mora's figures are ranges
-over four scenes (triangles a pixel: over the three with a name), not targets: the cameras are
-unpublished, Conference is another version (282,000 triangles), the other scenes are not at hand.
+fps: 1000 over the milliseconds of our traces, one thread; shaded: with flat shading, as Mora's,
+which are of one thread of a 3 GHz Core 2. `1 light` adds shadow rays from a point light. Mora's
+figures are ranges over four scenes (triangles a pixel: over the three with a name), not targets:
+the cameras are unpublished, Conference is another version (282,000 triangles), the other scenes are
+not at hand.
 ";
 
 pub fn interval(r: Ratio) -> String {

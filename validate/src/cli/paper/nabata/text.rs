@@ -191,10 +191,10 @@ fn pictures(column: &Column, measured: Option<&Measured>, side: u32) -> String {
 }
 
 const NOTES: &str = "\
-Milliseconds without/with ray sampling (afra2012/nabata2013), of all batches of a picture; sizes as in
-the paper: pictures of one size with 1, 4, 16, 64 samples a pixel. boxes, tris: how many times as many
-ray/box tests (those of sample rays counted) and ray/triangle tests without. cameras: 5 to 95 % of the
-ratios of all cameras, and where the paper's ratio stands to that. The paper prints no camera.
+Milliseconds without/with ray sampling (afra2012/nabata2013), of all batches of a picture; sizes as
+in the paper: pictures of one size with 1, 4, 16, 64 samples a pixel. boxes, tris: how many times as
+many ray/box tests (those of sample rays counted) and ray/triangle tests without. cameras: 5 to 95 %
+of the ratios of all cameras, and where the paper's ratio stands to that; it prints no camera.
 
 ";
 
@@ -222,7 +222,7 @@ fn trends(measured: &[Option<Measured>]) -> String {
         let ends = [sizes.first(), sizes.last()];
         let call = |call: Call, is_sound: bool| match is_sound {
             true => call.name().to_owned(),
-            false => "paper not sound".to_owned(),
+            false => "paper unsound".to_owned(),
         };
         let ends_are_sound = !ends.into_iter().flatten().any(unsound);
         let rank_is_sound = !sizes.iter().any(unsound);
@@ -272,8 +272,8 @@ fn bounces(measured: &[Option<Measured>], side: u32) -> String {
     }
     for measured in &of_paths {
         let spp = measured.sizes().last().map_or(1, |&i| SAMPLES[i]);
-        let name = measured.column.short_name();
-        rows[0].push(format!("{name}, {}", size(side, spp)));
+        let scene = measured.column.scene.unwrap_or("");
+        rows[0].push(format!("{scene} {}", size(side, spp)));
     }
     match of_paths.is_empty() {
         true => String::new(),

@@ -25,8 +25,8 @@ pub enum Call {
 impl Call {
     pub fn name(self) -> &'static str {
         match self {
-            Call::AsInThePaper => "as in the paper",
-            Call::NotAsInThePaper => "not as in the paper",
+            Call::AsInThePaper => "as in paper",
+            Call::NotAsInThePaper => "not as in paper",
             Call::Undecided => "undecided",
         }
     }
