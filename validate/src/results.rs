@@ -5,6 +5,7 @@ use crate::embree::Mode;
 use crate::json_file;
 use crate::machine::{Machine, Software};
 use crate::sweep::SweepRun;
+use dacrt::Method;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -191,6 +192,20 @@ pub struct CellKey {
 }
 
 impl CellKey {
+    /// Adds what the method has and the file does not say, for it is older: parameters that came later,
+    /// with the value that was the only one then.
+    fn complete(&mut self) {
+        const LATER: [(&str, &str); 1] = [("lists", "auto")];
+        let Ok(method) = self.method.parse::<Method>() else {
+            return;
+        };
+        for (name, value) in LATER {
+            if method.has(name) && !self.parameters.contains_key(name) {
+                self.parameters.insert(name.to_owned(), value.into());
+            }
+        }
+    }
+
     /// What all cells of one batch have in common: scene, camera, size, samples, ray type.
     pub fn batch(&self) -> (&str, &str, [u32; 2], u32, &str) {
         let size = (self.resolution, self.spp);
@@ -447,7 +462,12 @@ impl Document {
                 found: schema,
             });
         }
-        serde_json::from_slice(&bytes).map_err(json)
+        let mut document: Document = serde_json::from_slice(&bytes).map_err(json)?;
+        document
+            .cells
+            .iter_mut()
+            .for_each(|cell| cell.key.complete());
+        Ok(document)
     }
 
     /// Writes the file whole or not at all: to a temporary file beside it, which is then renamed.

@@ -9,6 +9,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
+use std::path::Path;
 
 fn key(method: &str) -> CellKey {
     CellKey {
@@ -19,7 +20,7 @@ fn key(method: &str) -> CellKey {
         rays: "diffuse-1".into(),
         method: method.into(),
         precision: "fast".into(),
-        parameters: json!({"bins": 32, "threshold": 1.5})
+        parameters: json!({"bins": 32, "lists": "auto", "threshold": 1.5})
             .as_object()
             .unwrap()
             .clone(),
@@ -325,4 +326,16 @@ fn cells_of_another_setting_are_not_mixed_in() {
     assert!(refused(|d| d.machine.isa = "portable".into()).contains("instruction set is avx2"));
     assert!(refused(|d| d.software.commit = Some("0".into())).contains("its commit is"));
     assert!(refused(|d| d.software.embree = None).contains("its Embree is 4.4.0 avx2"));
+}
+
+/// Files from before there was the parameter `lists` lost their cells of ray sampling in tables.
+#[test]
+fn parameters_that_came_later_have_the_value_of_then() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results");
+    let old = Document::read(&folder.join("2026-11-22-zen5-mora-1024.json.gz")).unwrap();
+    let lists = |cell: &Cell| cell.key.parameters.get("lists").cloned();
+    for cell in &old.cells {
+        let is_of_lists = ["afra2012", "nabata2013"].contains(&&*cell.key.method);
+        assert_eq!(lists(cell), is_of_lists.then(|| "auto".into()));
+    }
 }

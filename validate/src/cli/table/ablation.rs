@@ -7,7 +7,7 @@ use dacrt_validate::statistics::{geometric_mean, median};
 use serde_json::{Map, Value};
 
 /// The techniques: the parameter, and its value without; any other is with it.
-const TECHNIQUES: [(&str, &str); 3] = [("cost", "sah"), ("order", "one-ray"), ("skip", "1.0")];
+const TECHNIQUES: [(&str, &str); 3] = [("cost", "sah"), ("order", "one-ray"), ("skip", "1")];
 /// All combinations; a bit for each technique.
 const ALL: usize = 1 << TECHNIQUES.len();
 
@@ -153,7 +153,7 @@ fn all<T: Copy>(of: [Option<T>; ALL]) -> Option<[T; ALL]> {
 fn combination(key: &CellKey) -> usize {
     let with = |(name, without): &(&str, &str)| match key.parameters.get(*name) {
         Some(Value::String(word)) => word != without,
-        Some(number) => number.to_string() != *without,
+        Some(number) => number.as_f64() != without.parse().ok(),
         None => false,
     };
     let bits = TECHNIQUES.iter().enumerate();
