@@ -1,5 +1,6 @@
 //! Fig. 10 of Mora 2011: million rays a second of seven diffuse bounces.
 
+use super::fig8::short;
 use super::size_of;
 use crate::cli::text::columns;
 use dacrt_validate::results::Cell;
@@ -38,7 +39,7 @@ pub fn text(cells: &[Cell]) -> Option<String> {
             scene[0].key.scene.clone(),
             scene[0].triangles.to_string(),
             rays.to_string(),
-            format!("{:.2}", rays as f64 / 1e3 / ms),
+            short(rays as f64 / 1e3 / ms),
             match scene[0].key.scene.as_str() {
                 "conference" => format!("{CONFERENCE} (by Nabata 2013)"),
                 _ => format!("{least}-{greatest:.1}"),
