@@ -142,8 +142,11 @@ impl Figure {
 
 /// What we have of a row.
 fn here(scene: Option<&str>, cell: Option<&Cell>) -> Vec<String> {
-    let (Some(scene), Some(cell)) = (scene, cell) else {
+    let Some(scene) = scene else {
         return vec!["no mesh".to_owned()];
+    };
+    let Some(cell) = cell else {
+        return vec!["not measured".to_owned()];
     };
     let Some(ms) = cell.median_ms.filter(|_| !cell.is_wrong()) else {
         return vec![scene.to_owned(), "WRONG".to_owned()];
