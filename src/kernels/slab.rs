@@ -12,7 +12,7 @@ use glam::Vec3;
 ///
 /// No hit of exact arithmetic is rejected: a slab distance `(x - o) / d` is rounded three times,
 /// which is 3 units, or 6 where 1/d is denormal. Where the product underflows, 2⁻¹⁵⁰ are lost,
-/// which [`UNDERFLOW`] covers.
+/// which a constant covers.
 pub const PADDING: f32 = 64.0 / (1 << 24) as f32;
 
 const SHRINK: f32 = 1.0 - PADDING;
