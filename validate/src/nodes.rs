@@ -188,7 +188,7 @@ fn path(bits: u128) -> String {
 pub enum Format {
     /// Comma-separated values with a line of heads.
     Csv,
-    /// An array a column; see [`write`].
+    /// An array a column; see [`write()`].
     Npz,
 }
 
@@ -282,7 +282,7 @@ fn write_npz(path: &Path, rows: &[Row]) -> Result<(), NpyError> {
     })
 }
 
-/// Reads a table that [`write`] has written as CSV.
+/// Reads a table that [`write()`] has written as CSV.
 ///
 /// # Errors
 /// If it cannot be read, or is none.
