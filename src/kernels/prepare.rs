@@ -256,11 +256,11 @@ fn are_valid([a, b, c]: [Vec4; 3]) -> bool {
     valid.bitmask() & XYZ == XYZ
 }
 
-/// Whether float32 is certain that a valid triangle has an area.
-///
 /// How many triangles ahead the next are brought near.
 const AHEAD: usize = 28;
 
+/// Whether float32 is certain that a valid triangle has an area.
+///
 /// With u = 2⁻²⁴, each product of two rounded edges is within 3 u of the exact one, and their difference
 /// is rounded once more: less than 5 u (|p| + |q|), and what underflow loses.
 #[inline(always)]

@@ -10,6 +10,8 @@ use crate::kernels::Item;
 /// leaves).
 #[derive(Clone)]
 pub struct Stored {
+    /// Triangles of the mesh.
+    pub(super) mesh: usize,
     pub(super) nodes: Vec<Node>,
     /// Triangles of leaves, of lists.
     pub(super) items: Vec<Item>,
@@ -57,6 +59,7 @@ pub enum Sent {
 impl Stored {
     pub(super) fn new() -> Stored {
         Stored {
+            mesh: 0,
             nodes: Vec::new(),
             items: Vec::new(),
             prims: Vec::new(),

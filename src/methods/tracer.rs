@@ -11,7 +11,6 @@ use crate::geometry::Mesh;
 use crate::kernels::{Kernels, OneRay};
 use crate::rays::{Batch, Hits};
 use crate::simd::Isa;
-use glam::Vec3;
 
 /// Finds the hits of whole batches.
 ///
@@ -114,8 +113,6 @@ impl Tracer {
         workspace: &mut Workspace,
         hits: &mut Hits,
     ) -> Trace {
-        let lengths = [hits.t.len(), hits.prim.len()];
-        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
         self.trace(
             mesh,
             batch,
@@ -139,7 +136,6 @@ impl Tracer {
         workspace: &mut Workspace,
         occluded: &mut [u8],
     ) -> Trace {
-        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
         self.trace(
             mesh,
             batch,
@@ -164,8 +160,6 @@ impl Tracer {
         hits: &mut Hits,
         ray: usize,
     ) -> (Trace, Vec<Step>) {
-        let lengths = [hits.t.len(), hits.prim.len()];
-        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
         self.watch(mesh, batch, workspace, Answer::Nearest(hits), ray)
     }
 
@@ -181,7 +175,6 @@ impl Tracer {
         occluded: &mut [u8],
         ray: usize,
     ) -> (Trace, Vec<Step>) {
-        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
         self.watch(mesh, batch, workspace, Answer::Any(occluded), ray)
     }
 
@@ -198,8 +191,6 @@ impl Tracer {
         workspace: &mut Workspace,
         hits: &mut Hits,
     ) -> (Trace, Vec<NodeRecord>) {
-        let lengths = [hits.t.len(), hits.prim.len()];
-        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
         self.log(mesh, batch, workspace, Answer::Nearest(hits))
     }
 
@@ -214,7 +205,6 @@ impl Tracer {
         workspace: &mut Workspace,
         occluded: &mut [u8],
     ) -> (Trace, Vec<NodeRecord>) {
-        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
         self.log(mesh, batch, workspace, Answer::Any(occluded))
     }
 
@@ -231,8 +221,6 @@ impl Tracer {
         workspace: &mut Workspace,
         hits: &mut Hits,
     ) -> (Trace, Stored) {
-        let lengths = [hits.t.len(), hits.prim.len()];
-        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
         self.store(mesh, batch, workspace, Answer::Nearest(hits))
     }
 
@@ -247,7 +235,6 @@ impl Tracer {
         workspace: &mut Workspace,
         occluded: &mut [u8],
     ) -> (Trace, Stored) {
-        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
         self.store(mesh, batch, workspace, Answer::Any(occluded))
     }
 
@@ -255,8 +242,8 @@ impl Tracer {
     /// same kernels, without making any.
     ///
     /// # Panics
-    /// As [`Tracer::store_nearest`]; and if a ray comes where none has come in that trace, as those of
-    /// another batch may.
+    /// As [`Tracer::store_nearest`]; and if the mesh has another number of triangles, or a ray of another
+    /// batch comes where none has come before. (Where cells are split, such a ray may lose its hit instead.)
     pub fn send_nearest(
         &self,
         mesh: &Mesh,
@@ -265,8 +252,6 @@ impl Tracer {
         hits: &mut Hits,
         through: (&Stored, Sent),
     ) -> Trace {
-        let lengths = [hits.t.len(), hits.prim.len()];
-        assert_eq!(lengths, [batch.len(); 2], "one hit record a ray");
         let observer = Observer::Send(through.0, through.1);
         self.trace(mesh, batch, workspace, Answer::Nearest(hits), observer)
     }
@@ -283,7 +268,6 @@ impl Tracer {
         occluded: &mut [u8],
         through: (&Stored, Sent),
     ) -> Trace {
-        assert_eq!(occluded.len(), batch.len(), "one byte a ray");
         let observer = Observer::Send(through.0, through.1);
         self.trace(mesh, batch, workspace, Answer::Any(occluded), observer)
     }
@@ -313,7 +297,7 @@ impl Tracer {
             id: ray as u32,
             ray: OneRay {
                 ray: batch.ray(ray),
-                shared_origin: self.shared_origin(batch),
+                shared_origin: None,
                 least_tmin: 0.0,
                 precision: self.precision,
             },
@@ -337,24 +321,22 @@ impl Tracer {
         (trace, log.records)
     }
 
-    /// The origin of all valid rays, if the batch is traced as one with a shared origin.
-    fn shared_origin(&self, batch: &Batch) -> Option<Vec3> {
-        match self.own_origins {
-            true => None,
-            // SAFETY: `Kernels::of` checks the processor.
-            false => unsafe { (Kernels::of(self.isa).shared_origin)(batch) },
-        }
-    }
-
     fn trace(
         &self,
         mesh: &Mesh,
         batch: &Batch,
         workspace: &mut Workspace,
         answer: Answer,
-        observer: Observer,
+        mut observer: Observer,
     ) -> Trace {
         let n = batch.len();
+        match &answer {
+            Answer::Nearest(hits) => {
+                let lengths = [hits.t.len(), hits.prim.len()];
+                assert_eq!(lengths, [n; 2], "one hit record a ray");
+            }
+            Answer::Any(occluded) => assert_eq!(occluded.len(), n, "one byte a ray"),
+        }
         let lengths = batch
             .origin
             .iter()
@@ -370,11 +352,23 @@ impl Tracer {
             kernels,
             mesh,
             batch,
-            shared_origin: self.shared_origin(batch),
+            shared_origin: match self.own_origins {
+                true => None,
+                // SAFETY: `Kernels::of` has checked the processor.
+                false => unsafe { (kernels.shared_origin)(batch) },
+            },
             precision: self.precision,
             seed: self.seed,
             audit: self.audit,
         };
+        match &mut observer {
+            Observer::Ray(watch) => watch.ray.shared_origin = job.shared_origin,
+            Observer::Store(stored) => stored.mesh = mesh.len(),
+            Observer::Send(stored, _) => {
+                assert_eq!(stored.mesh, mesh.len(), "the mesh that the splits are of");
+            }
+            Observer::None | Observer::Nodes(_) => {}
+        }
         match (&self.parameters, memory) {
             (Parameters::Object(p), Memory::Object(memory)) => {
                 object::trace(&job, p, memory, answer, observer)

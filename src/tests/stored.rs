@@ -108,3 +108,16 @@ fn of_cones_no_tree_is_kept() {
         &mut Hits::misses(batch.len()),
     );
 }
+
+/// The splits of a larger mesh were once taken for those of a smaller one, beyond the end of its lists.
+#[test]
+#[should_panic(expected = "the mesh that the splits are of")]
+fn splits_of_another_mesh_are_refused() {
+    let (mesh, batch, _) = rays_of_all_kinds().swap_remove(0);
+    let tracer = Tracer::new(Method::Mora2011.parameters());
+    let mut hits = Hits::misses(batch.len());
+    let mut workspace = tracer.workspace(batch.len(), mesh.len());
+    let (_, stored) = tracer.store_nearest(&mesh, &batch, &mut workspace, &mut hits);
+    let through = (&stored, Sent::Together);
+    tracer.send_nearest(&soup(20, 1), &batch, &mut workspace, &mut hits, through);
+}

@@ -34,7 +34,7 @@ impl Divide<'_> {
         let node = &stored.nodes[at];
         let Some(children) = &node.children else {
             let prims = &stored.prims[node.from..node.to];
-            // SAFETY: the list has room for all triangles of the mesh, of which these are some.
+            // SAFETY: the list has room for all triangles of a mesh of this size, of which these are some.
             unsafe { self.lists.ids.copy_from(prims.as_ptr(), prims.len()) };
             let part = Part {
                 rays,

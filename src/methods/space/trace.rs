@@ -91,37 +91,34 @@ pub(in crate::methods) fn trace(
         if let Some(stored) = &mut divide.stored {
             stored.filters_root = filters_root;
         }
-        if let Some((tree, how)) = sent {
-            divide.send(tree, all.rays, how);
-        } else {
-            match variant {
-                Variant::Basic => divide.divide(&root, all),
-                Variant::Cones => {
-                    // SAFETY: as above; the batch shares its origin.
-                    let made = unsafe {
-                        let least_cosine = libm::cos((parameters.widest_cone as f64).to_radians());
-                        (kernels.prepare_cones)(batch, &rays, &cones, least_cosine as f32)
-                    };
-                    let with = |rays| Part { rays, ..all };
-                    if made.loose > 0 {
-                        divide.divide(&root, with(made.loose));
-                    }
-                    if made.cones > 0 {
-                        divide.divide_packets(&root, with(made.cones));
-                    }
+        match (variant, sent) {
+            (_, Some((tree, how))) => divide.send(tree, all.rays, how),
+            (Variant::Basic, None) => divide.divide(&root, all),
+            (Variant::Cones, None) => {
+                // SAFETY: as above; the batch shares its origin.
+                let made = unsafe {
+                    let least_cosine = libm::cos((parameters.widest_cone as f64).to_radians());
+                    (kernels.prepare_cones)(batch, &rays, &cones, least_cosine as f32)
+                };
+                let with = |rays| Part { rays, ..all };
+                if made.loose > 0 {
+                    divide.divide(&root, with(made.loose));
                 }
-                Variant::Random if parameters.octants => divide.divide_octants(&root, all),
-                Variant::Random => {
-                    let (rays, directions) = divide.filter_rays(&root, list);
-                    divide.watch_cell(&root, all.triangles, list, rays);
-                    if rays > 0 {
-                        let part = Part {
-                            rays,
-                            directions,
-                            ..all
-                        };
-                        divide.divide(&root, part);
-                    }
+                if made.cones > 0 {
+                    divide.divide_packets(&root, with(made.cones));
+                }
+            }
+            (Variant::Random, None) if parameters.octants => divide.divide_octants(&root, all),
+            (Variant::Random, None) => {
+                let (rays, directions) = divide.filter_rays(&root, list);
+                divide.watch_cell(&root, all.triangles, list, rays);
+                if rays > 0 {
+                    let part = Part {
+                        rays,
+                        directions,
+                        ..all
+                    };
+                    divide.divide(&root, part);
                 }
             }
         }

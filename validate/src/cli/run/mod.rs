@@ -366,17 +366,15 @@ impl Bench<'_> {
         cells: &mut [Cell],
     ) {
         for entrant in entrants {
-            let workspace = workspaces.of(&entrant.parameters);
-            let mut answers = entrant.answers.clone();
-            let trace = answers.trace(&entrant.tracer, self.mesh, batch, workspace);
-            if has_twin(&entrant.parameters, &trace) {
+            if has_twin(&entrant.parameters, cells[entrant.place].shared_origin) {
+                let workspace = workspaces.of(&entrant.parameters);
                 let repeats = self.plan.repeats;
                 let twin = twin(
                     &entrant.tracer,
                     self.mesh,
                     batch,
                     workspace,
-                    &answers,
+                    &entrant.answers,
                     repeats,
                 );
                 if !twin.is_equal() {

@@ -7,11 +7,14 @@ use dacrt_validate::measure::milliseconds;
 use dacrt_validate::results::Twin;
 use dacrt_validate::statistics::{median, paired_ratio};
 
-/// Whether a trace of this kind can be stored.
-pub fn has_twin(parameters: &Parameters, trace: &Trace) -> bool {
+/// Whether a trace with these parameters can be stored.
+pub fn has_twin(parameters: &Parameters, shared_origin: bool) -> bool {
     match parameters {
         Parameters::Object(_) => true,
-        Parameters::Space(space) => trace.variant != Some(Variant::Cones) && !space.octants,
+        Parameters::Space(space) => {
+            let takes_cones = shared_origin && space.variant == Variant::Cones;
+            !takes_cones && !space.octants
+        }
         Parameters::Best(_) => false,
     }
 }
