@@ -72,12 +72,16 @@ pub struct Row {
     pub by_area: Option<u32>,
     /// See `chosen`.
     pub by_rays: Option<u32>,
-    /// Cost by all rays (pairs of a ray and a triangle in the children) of the split taken over the least.
-    pub regret: Option<f64>,
-    /// Likewise of the surface area heuristic.
-    pub regret_by_area: Option<f64>,
+    /// Cost by all rays (pairs of a ray and a triangle in the children) of the split taken.
+    pub cost: Option<u64>,
+    /// Of the split of the surface area heuristic.
+    pub cost_by_area: Option<u64>,
     /// The least cost by all rays.
     pub least_cost: Option<u64>,
+    /// `cost` over `least_cost`, infinite where only the latter is 0.
+    pub regret: Option<f64>,
+    /// `cost_by_area` over `least_cost`.
+    pub regret_by_area: Option<f64>,
     /// Sample rays.
     pub samples: Option<u32>,
     /// Samples that enter the left child first, and the right one.
@@ -137,9 +141,11 @@ impl Row {
             chosen: split.map(|split| split.chosen),
             by_area: split.map(|split| split.by_area),
             by_rays: split.map(|split| split.by_rays),
+            cost: costs.map(|[chosen, ..]| chosen),
+            cost_by_area: costs.map(|[_, by_area, _]| by_area),
+            least_cost: costs.map(|[.., least]| least),
             regret: costs.map(|[chosen, _, least]| regret(chosen, least)),
             regret_by_area: costs.map(|[_, by_area, least]| regret(by_area, least)),
-            least_cost: costs.map(|[.., least]| least),
             samples: samples.map(|[n, ..]| n),
             samples_left_first: samples.map(|[.., left, _]| left),
             samples_right_first: samples.map(|[.., right]| right),
@@ -232,7 +238,7 @@ fn write_npz(path: &Path, rows: &[Row]) -> Result<(), NpyError> {
     let number = |x: Option<u64>| x.map_or(f64::NAN, |x| x as f64);
     let float = |x: Option<f32>| x.map_or(f64::NAN, f64::from);
     type Column = fn(&Row, &dyn Fn(Option<u64>) -> f64, &dyn Fn(Option<f32>) -> f64) -> f64;
-    let columns: [(&str, Column); 20] = [
+    let columns: [(&str, Column); 22] = [
         ("candidates", |r, n, _| n(r.candidates.map(u64::from))),
         ("chosen", |r, n, _| n(r.chosen.map(u64::from))),
         ("by_area", |r, n, _| n(r.by_area.map(u64::from))),
@@ -241,6 +247,8 @@ fn write_npz(path: &Path, rows: &[Row]) -> Result<(), NpyError> {
         ("regret_by_area", |r, _, _| {
             r.regret_by_area.unwrap_or(f64::NAN)
         }),
+        ("cost", |r, n, _| n(r.cost)),
+        ("cost_by_area", |r, n, _| n(r.cost_by_area)),
         ("least_cost", |r, n, _| n(r.least_cost)),
         ("samples", |r, n, _| n(r.samples.map(u64::from))),
         ("samples_left_first", |r, n, _| {

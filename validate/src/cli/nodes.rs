@@ -6,8 +6,7 @@ use super::plan::{self, check_writable};
 use super::run::{Answers, make_rays};
 use super::source::{SceneSource, Views, mesh_folders};
 use super::text::{columns, counted, print, thousands};
-use anyhow::{Context, bail, ensure};
-use dacrt::scene::Scene;
+use anyhow::{Context, ensure};
 use dacrt::workloads::Workload;
 use dacrt::{Hits, Method};
 use dacrt_validate::nodes::{Format, Regime, Row, write};
@@ -27,16 +26,12 @@ pub fn nodes(args: &NodesArgs) -> anyhow::Result<Verdict> {
     Format::of(&args.out).context("--out")?;
     check_writable(&args.out).context("--out")?;
     let source = SceneSource::find(&args.scene)?;
-    let mesh_folders = mesh_folders(&args.meshes);
-    if let Some(missing) = source.missing_mesh(&mesh_folders) {
-        bail!(missing);
-    }
     if let Some(camera) = &args.camera {
         source.cameras(std::slice::from_ref(camera))?;
     }
     source.allows(args.camera.as_deref(), rays)?;
 
-    let mesh = Scene::load(&source.json, &mesh_folders)?.mesh;
+    let mesh = source.mesh(&mesh_folders(&args.meshes))?;
     let view = Views::new(&source, &mesh).of(args.camera.as_deref())?;
     let mut workload = Workload::new(&mesh, view, film, choice.seed)?;
     let batch = make_rays(&mut workload, rays, &mesh)?;
@@ -98,8 +93,8 @@ fn summary(rows: &[Row]) -> String {
         let samples = sum(&|row| row.sample_box.unwrap_or(0) as f64);
         let least = sum(&|row| row.least_cost.unwrap_or(0) as f64);
         // Each node counts by what it costs.
-        let regret = |f: &dyn Fn(&Row) -> Option<f64>| {
-            let costs = sum(&|row| f(row).unwrap_or(0.0) * row.least_cost.unwrap_or(0) as f64);
+        let regret = |cost: &dyn Fn(&Row) -> Option<u64>| {
+            let costs = sum(&|row| cost(row).unwrap_or(0) as f64);
             match least > 0.0 {
                 true => format!("{:.3}", costs / least),
                 false => "-".to_owned(),
@@ -113,8 +108,8 @@ fn summary(rows: &[Row]) -> String {
                 true => format!("{:.1} %", 100.0 * samples / tests),
                 false => "-".to_owned(),
             },
-            regret(&|row| row.regret),
-            regret(&|row| row.regret_by_area),
+            regret(&|row| row.cost),
+            regret(&|row| row.cost_by_area),
             format!("{:.0}", sum(&|row| f64::from(row.rays)) / of.len() as f64),
         ]);
     }

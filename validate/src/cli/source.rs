@@ -2,8 +2,8 @@
 
 use super::args::MeshArgs;
 use super::engine::Engine;
-use anyhow::{Context, ensure};
-use dacrt::scene::{Description, Lens, MeshSource, SceneError, find, locate, no_such};
+use anyhow::{Context, bail, ensure};
+use dacrt::scene::{Description, Lens, MeshSource, SceneError, find, load_meshes, locate, no_such};
 use dacrt::workloads::{Camera, GENERATED_CAMERAS, RayType, View, generated_cameras};
 use dacrt::{Mesh, Method, Tracer};
 use std::path::{Path, PathBuf};
@@ -55,6 +55,14 @@ impl SceneSource {
         Some(format!(
             "scene {name}: {error}; --meshes or DACRT_MESHES names more folders"
         ))
+    }
+
+    /// The triangles of all meshes.
+    pub fn mesh(&self, mesh_folders: &[PathBuf]) -> anyhow::Result<Mesh> {
+        if let Some(missing) = self.missing_mesh(mesh_folders) {
+            bail!(missing);
+        }
+        Ok(load_meshes(&self.json, &self.description, mesh_folders)?)
     }
 
     /// The name of this camera, or of the first.

@@ -5,10 +5,10 @@ use super::args::TraceArgs;
 use super::plan::{self, check_writable};
 use super::source::{SceneSource, mesh_folders};
 use super::text::{columns, counted, print, thousands};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use dacrt::Mesh;
 use dacrt::rays::Hits;
-use dacrt::scene::{Scene, load_mesh};
+use dacrt::scene::load_mesh;
 use dacrt_validate::measure::milliseconds;
 use dacrt_validate::npy::{read_rays, write_hits, write_occluded};
 
@@ -75,9 +75,5 @@ fn load(args: &TraceArgs) -> anyhow::Result<Mesh> {
         return Ok(load_mesh(file)?);
     }
     let source = SceneSource::find(args.target.scene.as_deref().unwrap_or_default())?;
-    let folders = mesh_folders(&args.meshes);
-    if let Some(missing) = source.missing_mesh(&folders) {
-        bail!(missing);
-    }
-    Ok(Scene::load(&source.json, &folders)?.mesh)
+    source.mesh(&mesh_folders(&args.meshes))
 }

@@ -131,19 +131,18 @@ fn wrong_skips(root: &Area, rows: &[Row], at: (i32, i32)) -> Drawn {
 
 /// Cost by all rays over the least, by depth.
 fn regret(root: &Area, rows: &[Row], at: (i32, i32)) -> Drawn {
-    let of = |regret: &dyn Fn(&Row) -> Option<f64>| {
+    let of = |cost: &dyn Fn(&Row) -> Option<u64>| {
         by_depth(rows, &|row| {
-            let least = row.least_cost? as f64;
-            Some((regret(row)? * least, least))
+            Some((cost(row)? as f64, row.least_cost? as f64))
         })
     };
     let series = [
-        Series::new("split taken", ORANGE, Shape::Circle, of(&|row| row.regret)),
+        Series::new("split taken", ORANGE, Shape::Circle, of(&|row| row.cost)),
         Series::new(
             "by surface area",
             BLUE,
             Shape::Ring,
-            of(&|row| row.regret_by_area),
+            of(&|row| row.cost_by_area),
         ),
     ];
     let labels = ["regret", "depth", "cost over the least"];

@@ -6,7 +6,7 @@ use crate::cli::plan;
 use crate::cli::size::{Resolution, Spp};
 use crate::cli::source::{SceneSource, Views, mesh_folders};
 use anyhow::{Context, bail, ensure};
-use dacrt::scene::{Scene, load_mesh, no_such};
+use dacrt::scene::{load_mesh, no_such};
 use dacrt::workloads::{Film, RayType, Workload};
 use dacrt::{Batch, Mesh, Method, Parameters, Precision, Ray, Tracer};
 use dacrt_validate::compare::Names;
@@ -240,7 +240,7 @@ fn workload(
     rays: RayType,
     seed: u64,
 ) -> anyhow::Result<(Mesh, Batch)> {
-    let mesh = scene_mesh(args, source)?;
+    let mesh = source.mesh(&mesh_folders(&args.meshes))?;
     let view = Views::new(source, &mesh).of(camera)?;
     let batch = {
         let mut engine = Engine::new(Tracer::new(Method::Afra2012.parameters()), &mesh);
@@ -256,17 +256,9 @@ fn workload(
 fn some_mesh(args: &ReplayArgs) -> anyhow::Result<Mesh> {
     match (&args.mesh, &args.scene) {
         (Some(file), _) => Ok(load_mesh(file)?),
-        (None, Some(scene)) => scene_mesh(args, &SceneSource::find(scene)?),
+        (None, Some(scene)) => SceneSource::find(scene)?.mesh(&mesh_folders(&args.meshes)),
         (None, None) => bail!("--mesh or --scene is missing: what may the ray hit?"),
     }
-}
-
-fn scene_mesh(args: &ReplayArgs, source: &SceneSource) -> anyhow::Result<Mesh> {
-    let folders = mesh_folders(&args.meshes);
-    if let Some(missing) = source.missing_mesh(&folders) {
-        bail!(missing);
-    }
-    Ok(Scene::load(&source.json, &folders)?.mesh)
 }
 
 fn ray([ox, oy, oz, tmin, dx, dy, dz, tmax]: [f32; 8]) -> Ray {
