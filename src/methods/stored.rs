@@ -4,7 +4,8 @@
 use crate::geometry::Aabb;
 use crate::kernels::Item;
 
-/// The splits of one trace, as far as its rays have come.
+/// The splits of one trace, as far as its rays have come. In a tree of lists, what they have not come to is in
+/// leaves, too.
 ///
 /// About 150 bytes a node, and 32 a triangle of a leaf (4 in a tree of cells, where a triangle may be in many
 /// leaves).
@@ -43,7 +44,7 @@ pub(super) struct Child {
     pub bounds: Aabb,
     /// Whether all rays go on to it unfiltered.
     pub skipped: bool,
-    /// None if no ray has come to it, or it has no triangles.
+    /// None of a cell that no ray has come to, or that has no triangles.
     pub node: Option<usize>,
 }
 
@@ -54,6 +55,9 @@ pub enum Sent {
     Together,
     /// One after the other.
     OneByOne,
+    /// All together, rays of another batch, for which splitting goes on where the tree ends: the tree of one
+    /// batch reused for the next. Only of trees of lists, in which every triangle is in one leaf.
+    Onward,
 }
 
 impl Stored {
@@ -134,11 +138,8 @@ impl Stored {
 }
 
 impl Child {
-    /// The node that rays go on to.
-    ///
-    /// # Panics
-    /// If none has come there before.
-    pub fn reached(&self) -> usize {
-        self.node.expect("rays of the batch that the tree is of")
+    /// The node of a child in a tree of lists.
+    pub fn of_list(&self) -> usize {
+        self.node.expect("in a tree of lists every child is kept")
     }
 }

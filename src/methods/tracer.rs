@@ -238,12 +238,13 @@ impl Tracer {
         self.store(mesh, batch, workspace, Answer::Any(occluded))
     }
 
-    /// Finds the same hits by the splits of a trace of the same mesh and batch by the same tracer, with the
-    /// same kernels, without making any.
+    /// Finds the hits by the splits of a trace of the same mesh by the same tracer, with the same kernels,
+    /// without making any; the batch is the same, too, but for [`Sent::Onward`].
     ///
     /// # Panics
-    /// As [`Tracer::store_nearest`]; and if the mesh has another number of triangles, or a ray of another
-    /// batch comes where none has come before. (Where cells are split, such a ray may lose its hit instead.)
+    /// As [`Tracer::store_nearest`]; and if the mesh has another number of triangles, or a tree of cells is
+    /// sent [`Sent::Onward`]. Rays of another batch sent otherwise take longer, and may lose their hits where
+    /// cells are split.
     pub fn send_nearest(
         &self,
         mesh: &Mesh,

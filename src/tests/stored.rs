@@ -109,6 +109,28 @@ fn of_cones_no_tree_is_kept() {
     );
 }
 
+/// Rays of another batch find their hits by splits that end where no ray has come before.
+#[test]
+fn rays_of_another_batch_go_on_where_the_splits_end() {
+    let mesh = soup(3000, 3);
+    let (first, second) = (random_rays(500, 4, true), random_rays(4000, 5, false));
+    for method in [Method::Afra2012, Method::Nabata2013] {
+        let tracer = Tracer::new(method.parameters());
+        let mut workspace = tracer.workspace(second.len(), mesh.len());
+        let (mut of_first, mut hits) = (Hits::misses(first.len()), Hits::misses(second.len()));
+        let (_, stored) = tracer.store_nearest(&mesh, &first, &mut workspace, &mut of_first);
+        tracer.nearest(&mesh, &second, &mut workspace, &mut hits);
+        let mut sent = Hits::misses(second.len());
+        let through = (&stored, Sent::Onward);
+        tracer.send_nearest(&mesh, &second, &mut workspace, &mut sent, through);
+        assert_eq!(hits, sent, "{method}");
+        let (mut any, mut again) = (vec![0; second.len()], vec![2; second.len()]);
+        tracer.any(&mesh, &second, &mut workspace, &mut any);
+        tracer.send_any(&mesh, &second, &mut workspace, &mut again, through);
+        assert_eq!(any, again, "{method}, any hit");
+    }
+}
+
 /// The splits of a larger mesh were once taken for those of a smaller one, beyond the end of its lists.
 #[test]
 #[should_panic(expected = "the mesh that the splits are of")]

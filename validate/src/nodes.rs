@@ -92,6 +92,10 @@ pub struct Row {
     pub estimated_left: Option<f32>,
     /// See `estimated_left`.
     pub estimated_right: Option<f32>,
+    /// Surface area of each child over the node's: the ratios that the surface area heuristic takes.
+    pub area_left: Option<f32>,
+    /// See `area_left`.
+    pub area_right: Option<f32>,
     /// Intersection ratios by all rays, before the first child is traversed.
     pub true_left: Option<f32>,
     /// See `true_left`.
@@ -151,6 +155,8 @@ impl Row {
             samples_right_first: samples.map(|[.., right]| right),
             estimated_left: estimated.map(|[left, _]| left),
             estimated_right: estimated.map(|[_, right]| right),
+            area_left: split.map(|split| split.areas[0]),
+            area_right: split.map(|split| split.areas[1]),
             true_left: split.map(|split| split.ratios[0]),
             true_right: split.map(|split| split.ratios[1]),
             true_second: split.map(|split| split.second_ratio),
@@ -238,7 +244,7 @@ fn write_npz(path: &Path, rows: &[Row]) -> Result<(), NpyError> {
     let number = |x: Option<u64>| x.map_or(f64::NAN, |x| x as f64);
     let float = |x: Option<f32>| x.map_or(f64::NAN, f64::from);
     type Column = fn(&Row, &dyn Fn(Option<u64>) -> f64, &dyn Fn(Option<f32>) -> f64) -> f64;
-    let columns: [(&str, Column); 22] = [
+    let columns: [(&str, Column); 24] = [
         ("candidates", |r, n, _| n(r.candidates.map(u64::from))),
         ("chosen", |r, n, _| n(r.chosen.map(u64::from))),
         ("by_area", |r, n, _| n(r.by_area.map(u64::from))),
@@ -259,6 +265,8 @@ fn write_npz(path: &Path, rows: &[Row]) -> Result<(), NpyError> {
         }),
         ("estimated_left", |r, _, f| f(r.estimated_left)),
         ("estimated_right", |r, _, f| f(r.estimated_right)),
+        ("area_left", |r, _, f| f(r.area_left)),
+        ("area_right", |r, _, f| f(r.area_right)),
         ("true_left", |r, _, f| f(r.true_left)),
         ("true_right", |r, _, f| f(r.true_right)),
         ("true_second", |r, _, f| f(r.true_second)),

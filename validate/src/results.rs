@@ -275,6 +275,23 @@ pub struct Twin {
     pub one_by_one_ms: f64,
     /// Milliseconds of each repeat.
     pub samples_ms: Vec<f64>,
+    /// The same rays through the splits of the primary rays; `None` of primary rays, and of cells.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reuse: Option<Reuse>,
+}
+
+/// Secondary rays through the splits of the primary ones, which are split further where they end (Nabata
+/// 2013, section 5). To make those splits is not in the times.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Reuse {
+    /// Median milliseconds.
+    pub median_ms: f64,
+    /// Time of the trace over that, measured in turns.
+    pub trace_over_reuse: f64,
+    /// Its 95 % bootstrap interval.
+    pub trace_over_reuse_interval: [f64; 2],
+    /// Milliseconds of each repeat, of the trace and of the reused splits.
+    pub samples_ms: [Vec<f64>; 2],
 }
 
 impl Twin {

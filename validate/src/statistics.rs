@@ -121,6 +121,21 @@ pub fn geometric_mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| (logarithms / values.len() as f64).exp())
 }
 
+/// Kendall's rank correlation of a list with its order, from -1 (it falls) to 1 (it rises).
+pub fn rank(values: &[f64]) -> f64 {
+    let pairs = (1..values.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+    let (mut sum, mut count) = (0.0, 0);
+    for (i, j) in pairs {
+        sum += match values[j].total_cmp(&values[i]) {
+            std::cmp::Ordering::Greater => 1.0,
+            std::cmp::Ordering::Equal => 0.0,
+            std::cmp::Ordering::Less => -1.0,
+        };
+        count += 1;
+    }
+    sum / f64::from(count.max(1))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -201,6 +216,16 @@ mod tests {
         approx::assert_relative_eq!(least, 1.0 / expected, max_relative = 1e-12);
         let (least, most) = least_and_most(&noise, 21);
         assert!(least > 0.7 && most < 1.4, "{least} {most}");
+    }
+
+    #[test]
+    fn ranks_go_from_minus_one_to_one() {
+        assert_eq!(rank(&[1.0, 2.0, 3.0]), 1.0);
+        assert_eq!(rank(&[3.0, 2.0, 1.0]), -1.0);
+        assert_eq!(rank(&[1.0, 1.0]), 0.0);
+        // Five pairs rise, one falls.
+        let rank = rank(&[1.22, 1.2, 1.3, 1.4]);
+        approx::assert_relative_eq!(rank, 4.0 / 6.0, max_relative = 1e-12);
     }
 
     #[test]

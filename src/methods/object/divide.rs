@@ -56,7 +56,7 @@ impl Divide<'_> {
     }
 
     /// Algorithm 1. Records from `top` on are free.
-    fn divide(&mut self, node: &Node, active: List, top: usize) {
+    pub(super) fn divide(&mut self, node: &Node, active: List, top: usize) {
         self.counters.nodes += 1;
         if self.is_leaf(node, active) {
             return self.naive(node, active);
@@ -98,8 +98,9 @@ impl Divide<'_> {
         } else {
             let (kept, top) = self.filter(active, &child.node.bounds, top);
             self.watch_node(&child.node, active, kept, None);
-            if kept.len > 0 {
-                self.divide(&child.node, kept, top);
+            match kept.len {
+                0 => self.store_leaf(&child.node),
+                _ => self.divide(&child.node, kept, top),
             }
         }
     }

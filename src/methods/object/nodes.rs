@@ -45,6 +45,9 @@ pub struct SplitRecord {
     /// How many sample rays there were, and how many meet the left child, the right one, enter the left one
     /// first, and the right one; none if none were drawn.
     pub samples: Option<[u32; 5]>,
+    /// The surface area of each child over that of the node: what eq. 1 takes for the intersection ratios.
+    /// NaN of a node without area.
+    pub areas: [f32; 2],
     /// The share of active rays that meet each child, before either is traversed.
     pub ratios: [f32; 2],
     /// Whether the left child is traversed first.
@@ -211,7 +214,8 @@ impl Divide<'_> {
         let by_rays = (1..costs.len()).fold(0, |a, b| if costs[b] <= costs[a] { b } else { a });
         let by_area = self.least_area_cost(node);
         let (pair, _) = self.candidates.pairs().nth(chosen).expect("a candidate");
-        let ratios = [&pair.left, &pair.right].map(|bounds| self.true_ratio(active, bounds));
+        let children = [&pair.left, &pair.right];
+        let ratios = children.map(|bounds| self.true_ratio(active, bounds));
         SplitRecord {
             by_cost: false,
             halved: self.candidates.is_halved(chosen),
@@ -221,6 +225,7 @@ impl Divide<'_> {
             by_rays: by_rays as u32,
             costs: [chosen, by_area, by_rays].map(|place| costs[place]),
             samples: None,
+            areas: children.map(|bounds| bounds.half_area() / node.bounds.half_area()),
             ratios,
             left_first: false,
             second_ratio: f32::NAN,

@@ -14,8 +14,9 @@ impl Divide<'_> {
         }
         let top = active.len.next_multiple_of(MAX_LANES);
         match sent {
-            Sent::Together if active.len == 0 => {}
+            Sent::Together | Sent::Onward if active.len == 0 => {}
             Sent::Together => self.walk(stored, 0, active, top),
+            Sent::Onward => self.walk_on(stored, (0, 0), active, top),
             Sent::OneByOne => {
                 for start in active.start..active.start + active.len {
                     self.walk(stored, 0, List { start, len: 1 }, top);
@@ -36,12 +37,36 @@ impl Divide<'_> {
         };
         for child in children {
             if child.skipped {
-                self.walk(stored, child.reached(), active, top);
+                self.walk(stored, child.of_list(), active, top);
                 continue;
             }
             let (kept, top) = self.filter(active, &child.bounds, top);
             if kept.len > 0 {
-                self.walk(stored, child.reached(), kept, top);
+                self.walk(stored, child.of_list(), kept, top);
+            }
+        }
+    }
+
+    /// Through the splits of another batch, and on from its leaves.
+    fn walk_on(&mut self, stored: &Stored, (at, depth): (usize, u32), active: List, top: usize) {
+        let node = &stored.nodes[at];
+        let Some(children) = &node.children else {
+            let items = &stored.items[node.from..node.to];
+            self.items[..items.len()].copy_from_slice(items);
+            let leaf = Node {
+                bounds: node.bounds,
+                from: 0,
+                to: items.len(),
+                depth,
+                key: at as u64,
+            };
+            return self.divide(&leaf, active, top);
+        };
+        self.counters.nodes += 1;
+        for child in children {
+            let (kept, top) = self.filter(active, &child.bounds, top);
+            if kept.len > 0 {
+                self.walk_on(stored, (child.of_list(), depth + 1), kept, top);
             }
         }
     }

@@ -26,6 +26,7 @@ impl Divide<'_> {
         match sent {
             Sent::Together => send(0, rays),
             Sent::OneByOne => (0..rays).for_each(|ray| send(ray, ray + 1)),
+            Sent::Onward => panic!("a cell that no ray has come to is not kept"),
         }
     }
 

@@ -29,6 +29,7 @@ Examples:
   dacrt table dacrt-run.json --csv
   dacrt plot errors dacrt-run.json --out errors.svg
   dacrt paper mora2011
+  dacrt claims --quick
   dacrt bench kernels
   dacrt bench growth
   dacrt hard
@@ -62,6 +63,8 @@ pub enum Command {
     Plot(PlotArgs),
     /// Measure what a paper prints, and set its figures beside ours
     Paper(PaperArgs),
+    /// Judge the papers' claims one by one by what is measured for each
+    Claims(ClaimsArgs),
     /// Measure the inner loops one by one beside what the machine can do, or the throughput of threads
     Bench(BenchArgs),
     /// Trace hard cases with every precision and with Embree, and count errors by exact arithmetic
@@ -494,6 +497,76 @@ pub struct PaperArgs {
     pub meshes: MeshArgs,
     #[command(flatten)]
     pub engine: EngineArgs,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+What the claims are, what is measured of each, and what would falsify it stands in validate/claims.json
+and was fixed before the runs. Each study is measured with several seeds; every seed has the scene's own
+camera and some of those that the program makes, so that 10 seeds have all 16 between them. A verdict is
+`contradicted` if the whole 95 % interval is where the claim is falsified, `supported` if none of it is,
+else `undecided`; `not testable` if what it needs was not measured.
+
+Results go to a folder: cells-N.json.gz and twins-N.json.gz of seed N (result files as of `dacrt run`),
+nodes.json, memory.json, and claims.json with the verdicts. What is there already is not measured again;
+seeds may be measured on different machines, in different sessions.
+
+Examples:
+  dacrt claims --quick
+  dacrt claims --only C13,C17 --seeds 3
+  dacrt claims --first-seed 4 --seeds 2 --out claims
+  dacrt claims --from claims --only C7             verdicts of what there is, with all numbers")]
+pub struct ClaimsArgs {
+    /// Claims by number, such as C7; all their numbers are shown [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "IDS")]
+    pub only: Option<Vec<String>>,
+    /// One seed, the scene's own camera and one more, smaller pictures in the largest studies
+    #[arg(long, conflicts_with_all = ["cameras", "seeds"])]
+    pub quick: bool,
+    /// Cameras of each scene besides its own, at most 16
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 16,
+        allow_negative_numbers = true,
+        value_parser = whole(0..=dacrt::workloads::GENERATED_CAMERAS as u32)
+    )]
+    pub cameras: u32,
+    /// How many seeds
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 10,
+        allow_negative_numbers = true,
+        value_parser = whole(1..=100u64)
+    )]
+    pub seeds: u64,
+    /// The first of them
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        allow_negative_numbers = true,
+        value_parser = whole(1..=100u64)
+    )]
+    pub first_seed: u64,
+    /// Measured repeats of each contestant
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 3,
+        allow_negative_numbers = true,
+        value_parser = whole(1..=1000u32)
+    )]
+    pub repeats: u32,
+    /// Measure nothing: judge by what is in this folder
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["quick", "cameras", "seeds", "first_seed", "repeats", "out"])]
+    pub from: Option<PathBuf>,
+    /// Folder for the results; made if it is not there
+    #[arg(long, value_name = "FOLDER", default_value = "dacrt-claims")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
 }
 
 /// What can be measured on its own.

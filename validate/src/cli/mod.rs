@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod claims;
 mod color;
 mod compare;
 mod engine;
@@ -65,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Table(args) => table::table(&args),
         Command::Plot(args) => plot::plot(&args),
         Command::Paper(args) => paper::paper(&args),
+        Command::Claims(args) => claims::claims(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::Nodes(args) => nodes::nodes(&args),
         Command::Render(args) => render::render(&args),

@@ -7,8 +7,8 @@ use super::run::{Answers, make_rays};
 use super::source::{SceneSource, Views, mesh_folders};
 use super::text::{columns, counted, print, thousands};
 use anyhow::{Context, ensure};
+use dacrt::Method;
 use dacrt::workloads::Workload;
-use dacrt::{Hits, Method};
 use dacrt_validate::nodes::{Format, Regime, Row, write};
 
 /// Traces once as always and once with a log, and writes the log.
@@ -39,15 +39,8 @@ pub fn nodes(args: &NodesArgs) -> anyhow::Result<Verdict> {
     let mut workspace = tracer.workspace(batch.len(), mesh.len());
     let mut usual = Answers::room(batch.len(), rays.is_any_hit());
     let trace = usual.trace(&tracer, &mesh, &batch, &mut workspace);
-    let (logged, records, answers) = if rays.is_any_hit() {
-        let mut occluded = vec![0; batch.len()];
-        let (trace, records) = tracer.log_any(&mesh, &batch, &mut workspace, &mut occluded);
-        (trace, records, Answers::Any(occluded))
-    } else {
-        let mut hits = Hits::misses(batch.len());
-        let (trace, records) = tracer.log_nearest(&mesh, &batch, &mut workspace, &mut hits);
-        (trace, records, Answers::Nearest(hits))
-    };
+    let mut answers = Answers::room(batch.len(), rays.is_any_hit());
+    let (logged, records) = answers.log(&tracer, &mesh, &batch, &mut workspace);
     let rows: Vec<Row> = records.iter().map(Row::of).collect();
     write(&args.out, &rows)?;
 

@@ -328,6 +328,12 @@ pub fn contestants(
             }
         }
     }
+    set_baselines(&mut contestants);
+    Ok(contestants)
+}
+
+/// Sets each against the contestant that is its baseline, if there is one.
+pub fn set_baselines(contestants: &mut [Contestant]) {
     for i in 0..contestants.len() {
         let own = |c: &Contestant| own_fields(c.method, &c.parameters);
         let parameters = own(&contestants[i]);
@@ -338,7 +344,6 @@ pub fn contestants(
         };
         contestants[i].baseline = contestants.iter().position(is_it);
     }
-    Ok(contestants)
 }
 
 /// Why some have no acceleration ratio, though the baseline is among them.

@@ -1,7 +1,6 @@
 //! What a trace answers: nearest hits, or for each ray whether there is one.
 
-use dacrt::{Batch, Hits};
-use dacrt::{Mesh, Trace, Tracer, Workspace};
+use dacrt::{Batch, Hits, Mesh, NodeRecord, Trace, Tracer, Workspace};
 use dacrt_validate::embree::{Committed, Query, Scene};
 use dacrt_validate::judge;
 use dacrt_validate::peers::Tree;
@@ -74,6 +73,20 @@ impl Answers {
         match self {
             Answers::Nearest(hits) => tracer.nearest(mesh, batch, workspace, hits),
             Answers::Any(occluded) => tracer.any(mesh, batch, workspace, occluded),
+        }
+    }
+
+    /// Likewise, and the nodes of the trace.
+    pub fn log(
+        &mut self,
+        tracer: &Tracer,
+        mesh: &Mesh,
+        batch: &Batch,
+        workspace: &mut Workspace,
+    ) -> (Trace, Vec<NodeRecord>) {
+        match self {
+            Answers::Nearest(hits) => tracer.log_nearest(mesh, batch, workspace, hits),
+            Answers::Any(occluded) => tracer.log_any(mesh, batch, workspace, occluded),
         }
     }
 

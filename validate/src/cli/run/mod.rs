@@ -32,7 +32,7 @@ use dacrt_validate::results::{Cell, CellKey, Document, SCHEMA};
 use dacrt_validate::statistics::median;
 use reference::PeerTree;
 use std::time::Instant;
-use twin::{has_twin, twin};
+use twin::{Original, has_twin};
 
 pub use answers::Answers;
 pub use cells::BatchKey;
@@ -68,6 +68,15 @@ pub enum Origin {
 
 /// Is given each batch as soon as it is finished: its round, and a cell for each contestant.
 pub type Listener<'a> = dyn FnMut(&BatchKey, &Round, &[Cell], Origin) -> anyhow::Result<()> + 'a;
+
+/// Does all of the plan under a bar, and says nothing of its batches.
+pub fn measure(plan: &RunPlan) -> anyhow::Result<(Document, Findings)> {
+    let progress = plan.progress();
+    plan.warnings.iter().for_each(|w| progress.warn(w));
+    let measured = execute(plan, &progress, &mut |_, _, _, _| Ok(()))?;
+    progress.finish();
+    Ok(measured)
+}
 
 /// Measures and checks all batches of the plan and writes the result file after each. Returns what
 /// stands in that file, too.
@@ -348,7 +357,13 @@ impl Bench<'_> {
         self.measure(&batch, round, &entrants, &mut workspaces, &mut cells);
         if self.plan.twins && !batch.is_empty() {
             step("sending rays through stored splits");
-            self.twins(&batch, &entrants, &mut workspaces, &mut cells);
+            // Rays of a lens are not those that the others start from.
+            let primary = match ray_type {
+                RayType::Primary | RayType::Dof => None,
+                _ => Some(make_rays(workload, RayType::Primary, mesh)?),
+            };
+            let batches = (&batch, primary.as_ref());
+            self.twins(batches, &entrants, &mut workspaces, &mut cells);
         }
         if let (true, Some(entrant)) = (self.plan.shade, entrants.first()) {
             let shade_ms = self.shade(&batch, &entrant.answers);
@@ -360,7 +375,7 @@ impl Bench<'_> {
 
     fn twins(
         &self,
-        batch: &Batch,
+        (batch, primary): (&Batch, Option<&Batch>),
         entrants: &[Entrant],
         workspaces: &mut Workspaces,
         cells: &mut [Cell],
@@ -368,15 +383,15 @@ impl Bench<'_> {
         for entrant in entrants {
             if has_twin(&entrant.parameters, cells[entrant.place].shared_origin) {
                 let workspace = workspaces.of(&entrant.parameters);
-                let repeats = self.plan.repeats;
-                let twin = twin(
-                    &entrant.tracer,
-                    self.mesh,
+                let original = Original {
+                    tracer: &entrant.tracer,
+                    mesh: self.mesh,
                     batch,
-                    workspace,
-                    &entrant.answers,
-                    repeats,
-                );
+                    answers: &entrant.answers,
+                    repeats: self.plan.repeats,
+                };
+                let of_lists = matches!(entrant.parameters, Parameters::Object(_));
+                let twin = original.twin(workspace, primary.filter(|_| of_lists));
                 if !twin.is_equal() {
                     let cell = &cells[entrant.place].key;
                     self.progress.warn(&format!(

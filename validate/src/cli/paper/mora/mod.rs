@@ -49,10 +49,7 @@ pub fn mora2011(args: &PaperArgs) -> anyhow::Result<Verdict> {
         return Ok(Verdict::Good);
     }
     let (plan, missing) = plan(args)?;
-    let progress = plan.progress();
-    plan.warnings.iter().for_each(|w| progress.warn(w));
-    let (document, findings) = run::execute(&plan, &progress, &mut |_, _, _, _| Ok(()))?;
-    progress.finish();
+    let (document, findings) = run::measure(&plan)?;
     let results = format!("\nresults: {}\n", plan.out.display());
     print(&(text(&document.cells, &missing) + &results + &findings.text(&document, &plan)))?;
     Ok(findings.verdict())

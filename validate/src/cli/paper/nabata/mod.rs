@@ -40,10 +40,7 @@ pub fn nabata2013(args: &PaperArgs) -> anyhow::Result<Verdict> {
         return Ok(Verdict::Good);
     }
     let plan = plan(args)?;
-    let progress = plan.progress();
-    plan.warnings.iter().for_each(|w| progress.warn(w));
-    let (document, findings) = run::execute(&plan, &progress, &mut |_, _, _, _| Ok(()))?;
-    progress.finish();
+    let (document, findings) = run::measure(&plan)?;
     let results = format!("\nresults: {}\n", plan.out.display());
     let text = text::text(&document.cells).unwrap_or_default();
     print(&(text + &results + &findings.text(&document, &plan)))?;

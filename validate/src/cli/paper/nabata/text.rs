@@ -3,10 +3,10 @@
 use super::Technique;
 use super::image::{Image, with_sampling};
 use super::printed::{ABLATION, ABLATION_WITHOUT, COLUMNS, Column, RATES, SAMPLES};
-use super::trend::{Call, rank, trend};
+use super::trend::{Call, call, trend};
 use crate::cli::text::columns;
 use dacrt_validate::results::{Cell, CellKey};
-use dacrt_validate::statistics::{Ratio, quantile};
+use dacrt_validate::statistics::{Ratio, quantile, rank};
 
 /// Fewer cameras than these have no range.
 const CAMERAS: usize = 5;
@@ -220,7 +220,7 @@ fn trends(measured: &[Option<Measured>]) -> String {
         let quotient = printed[printed.len() - 1] / printed[0];
         let unsound = |i: &usize| measured.column.unsound == Some(*i);
         let ends = [sizes.first(), sizes.last()];
-        let call = |call: Call, is_sound: bool| match is_sound {
+        let unless_unsound = |call: Call, is_sound: bool| match is_sound {
             true => call.name().to_owned(),
             false => "paper unsound".to_owned(),
         };
@@ -230,11 +230,11 @@ fn trends(measured: &[Option<Measured>]) -> String {
         rows.push(vec![
             measured.column.short_name(),
             format!("{quotient:.2}"),
-            format!("{:.2} [{low:.2}, {high:.2}]", trend.quotient.mean),
-            call(trend.quotient.call(quotient, 1.0), ends_are_sound),
+            format!("{:.2} [{low:.2}, {high:.2}]", trend.quotient.value),
+            unless_unsound(call(&trend.quotient, quotient, 1.0), ends_are_sound),
             format!("{:.2}", rank(&printed)),
-            format!("{:.2}", trend.rank.mean),
-            call(trend.rank.call(rank(&printed), 0.0), rank_is_sound),
+            format!("{:.2}", trend.rank.value),
+            unless_unsound(call(&trend.rank, rank(&printed), 0.0), rank_is_sound),
         ]);
     }
     match rows.len() {

@@ -1,0 +1,96 @@
+//! Verdicts for people, 100 columns at most.
+
+use crate::cli::text::{WIDTH, columns, counted};
+use dacrt_validate::claims::{Effect, Finding, Verdict};
+
+/// The verdicts, contradicted claims first; `parts`: all numbers, too.
+pub fn text(findings: &[Finding], parts: bool) -> String {
+    let mut text = counts(findings);
+    let mut last = None;
+    for finding in findings {
+        if last != Some(finding.verdict) {
+            text += &format!("\n{}\n", finding.verdict.name().to_uppercase());
+            last = Some(finding.verdict);
+        }
+        text += &of(finding, parts);
+    }
+    text
+}
+
+/// `7 contradicted, 3 undecided, 1 not testable, 10 supported`
+fn counts(findings: &[Finding]) -> String {
+    let all = [
+        Verdict::Contradicted,
+        Verdict::Undecided,
+        Verdict::NotTestable,
+        Verdict::Supported,
+    ];
+    let count = |verdict: &Verdict| {
+        let n = findings.iter().filter(|f| f.verdict == *verdict).count();
+        (n > 0).then(|| format!("{n} {}", verdict.name()))
+    };
+    all.iter().filter_map(count).collect::<Vec<_>>().join(", ") + "\n"
+}
+
+fn of(finding: &Finding, parts: bool) -> String {
+    let claim = &finding.claim;
+    let paper = match claim.paper.as_str() {
+        "nabata2013" => "Nabata",
+        _ => "Mora",
+    };
+    let mut text = wrapped(
+        &format!("{:<4}", claim.id),
+        &format!("{} ({paper}, {})", claim.claim, claim.place),
+    );
+    if let Some(effect) = &finding.effect {
+        text += &wrapped("", &format!("{}: {}", effect.name, number(effect)));
+    }
+    text += &wrapped("", &format!("falsified if {}", claim.falsified_if));
+    let mut extent = Vec::new();
+    if finding.batches > 0 {
+        extent.push(counted(finding.cameras as u64, "camera"));
+        extent.push(counted(finding.seeds as u64, "seed"));
+        if finding.repeats > 0 {
+            extent.push(counted(finding.repeats as u64, "repeat"));
+        }
+        extent.push(counted(finding.batches as u64, "batch").replace("batchs", "batches"));
+    }
+    if !finding.why.is_empty() {
+        extent.push(finding.why.clone());
+    }
+    if !extent.is_empty() {
+        text += &wrapped("", &extent.join(", "));
+    }
+    if parts {
+        let rows: Vec<Vec<String>> = (finding.parts.iter())
+            .map(|part| vec![format!("       {}", part.name), number(part)])
+            .collect();
+        text += &columns(&rows, &[]);
+    }
+    text
+}
+
+/// `1.02 [0.98, 1.05]`
+fn number(effect: &Effect) -> String {
+    let short = |x: f64| match x {
+        _ if x == x.trunc() && x.abs() >= 1.0 => format!("{x:.0}"),
+        _ if x.abs() >= 100.0 => format!("{x:.0}"),
+        _ if x.abs() >= 10.0 => format!("{x:.1}"),
+        _ if x.abs() >= 0.1 => format!("{x:.3}"),
+        _ => format!("{x:.4}"),
+    };
+    match effect.interval {
+        Some([low, high]) => format!("{} [{}, {}]", short(effect.value), short(low), short(high)),
+        None => short(effect.value),
+    }
+}
+
+/// Text after a mark, later lines under its beginning.
+fn wrapped(mark: &str, text: &str) -> String {
+    let first = format!("  {mark:<5}");
+    let indent = " ".repeat(first.len());
+    let options = textwrap::Options::new(WIDTH)
+        .initial_indent(&first)
+        .subsequent_indent(&indent);
+    textwrap::fill(text, options) + "\n"
+}
