@@ -223,37 +223,12 @@ fn a_view_of_nothing_is_no_finding() {
     assert_eq!(fps("cones "), fps("cones, 1 light"));
 }
 
-/// A room of the size of Sibenik's nave with a wall across, under the name of its mesh.
-fn write_nave(folder: &Folder) {
-    let mut text = String::new();
-    for x in [-20, 20] {
-        for y in ["-15.3", "15"] {
-            for z in ["-8.5", "8.5"] {
-                text += &format!("v {x} {y} {z}\n");
-            }
-        }
-    }
-    text += "v 14 -15.3 -8\nv 14 -15.3 2\nv 14 3 2\nv 14 3 -8\n";
-    for quad in [
-        "1 2 4 3",
-        "5 6 8 7",
-        "1 2 6 5",
-        "3 4 8 7",
-        "1 3 7 5",
-        "2 4 8 6",
-        "9 10 11 12",
-    ] {
-        text += &format!("f {quad}\n");
-    }
-    folder.write("sibenik.obj.gz", text);
-}
-
 #[test]
 fn pictures_are_sums_of_their_batches() {
     const PAPER: &str = "paper nabata2013 --scenes sibenik --resolution 16 --repeats 2 --cameras 1 \
                          --meshes . --out out.json";
     let folder = Folder::new();
-    write_nave(&folder);
+    folder.write_nave();
     let run = folder.dacrt(PAPER);
     let text = run.exits(0).stdout();
     assert_eq!(run.stderr(), "");

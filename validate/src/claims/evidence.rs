@@ -91,6 +91,11 @@ impl Evidence {
         folder.join(format!("cells-{seed}.json.gz"))
     }
 
+    /// The file of cells beside Embree's times.
+    pub fn embree(folder: &Path, seed: u64) -> PathBuf {
+        folder.join(format!("embree-{seed}.json.gz"))
+    }
+
     /// The file of cells with stored splits.
     pub fn twins(folder: &Path, seed: u64) -> PathBuf {
         folder.join(format!("twins-{seed}.json.gz"))
@@ -117,7 +122,8 @@ impl Evidence {
             memory: list(&Evidence::memory(folder))?,
         };
         for seed in 1..=100 {
-            for path in [Evidence::cells(folder, seed), Evidence::twins(folder, seed)] {
+            for path in [Evidence::cells, Evidence::embree, Evidence::twins] {
+                let path = path(folder, seed);
                 if path.exists() {
                     evidence.documents.push(Document::read(&path)?);
                 }

@@ -223,6 +223,7 @@ fn takes(study: &Study, cell: &Cell) -> bool {
     let key = &cell.key;
     let kind = match study.kind {
         Kind::Cells => cell.twin.is_none(),
+        Kind::Embree => cell.twin.is_none() && cell.embree.is_some(),
         Kind::Twins => cell.twin.is_some(),
         Kind::Nodes | Kind::Memory => false,
     };

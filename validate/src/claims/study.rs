@@ -43,10 +43,12 @@ pub type Variants = BTreeMap<String, Vec<Value>>;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// It is checked and timed, as by `dacrt run`.
+    /// It is checked and timed, as by `dacrt run`, but for Embree.
     #[default]
     Cells,
-    /// Likewise, and its rays are sent through stored splits.
+    /// Likewise, and so is Embree.
+    Embree,
+    /// As cells, and the rays are sent through stored splits.
     Twins,
     /// Its nodes are written down.
     Nodes,

@@ -440,7 +440,8 @@ nabata2013  The pictures of Figs. 4 to 7 at 512x512 pixels with 1, 4, 16 and 64 
             sampling; how the ratio goes with the size and the bounce (Fig. 8); the ablation of
             section 5; rates. Cameras are ours, the paper prints none: the scene's own and, for the
             range that the paper's ratios are held against, --cameras N that the program makes.
-            All sizes and 16 cameras take a day; --quick takes minutes.
+            Embree judges the hits and is not timed. All sizes and 16 cameras take days; --quick takes
+            minutes; --sizes 2 --cameras 16 some hours.
 mora2011    Fig. 8: ray/box, cone/box, triangle/box and ray/triangle tests, nodes and frames a second
             of mora2011 (basic) and mora2011-cones, primary rays, and of the latter with the shadow
             rays of a point light; then what the cones save. Beside ours stand the least and the
@@ -451,7 +452,7 @@ same kind. Scenes whose mesh is not found are left out unless --scenes names the
 
 Examples:
   dacrt paper nabata2013 --quick
-  dacrt paper nabata2013 --cameras 16 --resume
+  dacrt paper nabata2013 --cameras 16 --sizes 2 --resume
   dacrt paper mora2011
   dacrt paper mora2011 --scenes hall --resolution 320x200        needs no mesh file
   dacrt paper mora2011 --from results/2026-11-22-zen5-mora-fig8.json.gz")]
@@ -475,6 +476,9 @@ pub struct PaperArgs {
         value_parser = whole(0..=dacrt::workloads::GENERATED_CAMERAS as u32)
     )]
     pub cameras: u32,
+    /// Of the four sizes of nabata2013, how many, the smallest first
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = whole(1..=4usize))]
+    pub sizes: usize,
     /// Of nabata2013 one camera, 1 and 4 samples a pixel, at most 3 repeats; of mora2011 at most 3
     /// repeats
     #[arg(long)]
@@ -482,7 +486,7 @@ pub struct PaperArgs {
     #[command(flatten)]
     pub repeats: RepeatArgs,
     /// Measure nothing: print the table of this result file
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "resume", "quick", "cameras"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "resume", "quick", "cameras", "sizes"])]
     pub from: Option<PathBuf>,
     /// Where the results go, as JSON
     #[arg(long, value_name = "FILE", default_value = "dacrt-paper.json")]
@@ -507,8 +511,8 @@ camera and some of those that the program makes, so that 10 seeds have all 16 be
 `contradicted` if the whole 95 % interval is where the claim is falsified, `supported` if none of it is,
 else `undecided`; `not testable` if what it needs was not measured.
 
-Results go to a folder: cells-N.json.gz and twins-N.json.gz of seed N (result files as of `dacrt run`),
-nodes.json, memory.json, and claims.json with the verdicts. What is there already is not measured again;
+Results go to a folder: cells-N.json.gz, embree-N.json.gz and twins-N.json.gz of seed N (result files as
+of `dacrt run`), nodes.json, memory.json, and claims.json with the verdicts. What is there already is not measured again;
 seeds may be measured on different machines, in different sessions.
 
 Examples:

@@ -111,7 +111,7 @@ pub struct Request<'a> {
 pub struct RunPlan {
     pub scenes: Vec<SceneJob>,
     pub repeats: u32,
-    /// Builds of Embree that are timed, medium quality among them.
+    /// Builds of Embree that are timed, medium quality among them; if none, Embree only judges.
     pub qualities: &'static [Quality],
     /// How many random rays of a cell are judged.
     pub exact_all: u32,

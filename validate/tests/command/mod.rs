@@ -36,6 +36,31 @@ impl Folder {
         serde_json::from_slice(&std::fs::read(self.path(name)).unwrap()).unwrap()
     }
 
+    /// A room of the size of Sibenik's nave with a wall across, under the name of its mesh.
+    pub fn write_nave(&self) {
+        let mut text = String::new();
+        for x in [-20, 20] {
+            for y in ["-15.3", "15"] {
+                for z in ["-8.5", "8.5"] {
+                    text += &format!("v {x} {y} {z}\n");
+                }
+            }
+        }
+        text += "v 14 -15.3 -8\nv 14 -15.3 2\nv 14 3 2\nv 14 3 -8\n";
+        for quad in [
+            "1 2 4 3",
+            "5 6 8 7",
+            "1 2 6 5",
+            "3 4 8 7",
+            "1 3 7 5",
+            "2 4 8 6",
+            "9 10 11 12",
+        ] {
+            text += &format!("f {quad}\n");
+        }
+        self.write("sibenik.obj.gz", text);
+    }
+
     /// Two rays, of which the first hits [`TRIANGLE`].
     pub fn write_rays(&self, name: &str) {
         let hit = [0.25f32, 0.25, 1.0, 0.0, 0.0, 0.0, -1.0, f32::INFINITY];

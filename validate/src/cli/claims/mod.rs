@@ -72,6 +72,7 @@ fn measure(args: &ClaimsArgs, claims: &Claims) -> anyhow::Result<Verdict> {
         };
         let files = [
             (Kind::Cells, Evidence::cells(folder, seed)),
+            (Kind::Embree, Evidence::embree(folder, seed)),
             (Kind::Twins, Evidence::twins(folder, seed)),
         ];
         for (kind, out) in files {
@@ -86,7 +87,7 @@ fn measure(args: &ClaimsArgs, claims: &Claims) -> anyhow::Result<Verdict> {
         }
         for study in claims.studies.values() {
             match study.kind {
-                Kind::Cells | Kind::Twins => {}
+                Kind::Cells | Kind::Embree | Kind::Twins => {}
                 Kind::Nodes => nodes(&extent, study, &Evidence::nodes(folder))?,
                 Kind::Memory if seed > 1 => {}
                 Kind::Memory => memory(&extent, study, &Evidence::memory(folder))?,

@@ -62,7 +62,10 @@ impl Extent<'_> {
         Ok((!scenes.is_empty()).then(|| RunPlan {
             scenes,
             repeats: self.repeats,
-            qualities: &[Quality::Medium],
+            qualities: match kind {
+                Kind::Embree => &Quality::ALL,
+                _ => &[],
+            },
             exact_all: RANDOM_RAYS,
             engine: self.engine,
             mesh_folders: self.mesh_folders.to_vec(),

@@ -13,7 +13,7 @@ use super::plan::{Contestant, Round, RunPlan, SceneJob};
 use super::progress::Progress;
 use super::shade;
 use super::source::{SceneSource, Views};
-use super::table::Report;
+use super::table::{Many, Report};
 use super::text::print;
 use super::{Verdict, command_line};
 use anyhow::ensure;
@@ -45,8 +45,12 @@ pub fn run(args: &RunArgs) -> anyhow::Result<Verdict> {
     let progress = plan.progress();
     plan.warnings.iter().for_each(|w| progress.warn(w));
     let first = plan.rounds().next().map(|round| round.film);
-    let many_sizes = plan.rounds().any(|round| Some(round.film) != first);
-    let mut report = Report::new(many_sizes, plan.engine.threads);
+    let cameras = |job: &SceneJob| job.rounds.iter().any(|r| r.camera != job.rounds[0].camera);
+    let many = Many {
+        sizes: plan.rounds().any(|round| Some(round.film) != first),
+        cameras: plan.scenes.iter().any(cameras),
+    };
+    let mut report = Report::new(many, plan.engine.threads);
     let (document, findings) = execute(&plan, &progress, &mut |_, round, cells, _| {
         let labels: Vec<String> = round.contestants.iter().map(|c| c.label.clone()).collect();
         progress.print(&report.section(cells, &labels))
@@ -128,7 +132,10 @@ pub fn execute(
         progress.step(&format!("{}: loading", job.source.name()));
         let SceneSource { json, description } = &job.source;
         let mesh = load_meshes(json, description, &plan.mesh_folders)?;
-        let is_timed = |mode: &Mode| missing.iter().any(|(round, _)| round.is_against(*mode));
+        let is_timed = |mode: &Mode| {
+            let mut rounds = missing.iter().map(|(round, _)| round);
+            !plan.qualities.is_empty() && rounds.any(|round| round.is_against(*mode))
+        };
         let timed: Vec<Mode> = Mode::ALL.into_iter().filter(is_timed).collect();
         let bench = Bench {
             reference: Reference::build(

@@ -14,8 +14,8 @@ const ALL: usize = 1 << TECHNIQUES.len();
 const LEGEND: &str = "
 How many times as fast, and how many times fewer ray/box tests (those of sample rays counted), for a
 technique: alone: it against none; last: all three against the other two; mean: over all four pairs
-that differ in it only. A pair: the gain of one where the other is there over that where it is not; 1
-is none on each other. Geometric means over scenes and ray types, with the least and the greatest.
+that differ in it only. A pair: the gain of one where the other is there over that where it is not;
+1 is none on each other. Geometric means over scenes and ray types, with the least and the greatest.
 ";
 
 /// One batch by all combinations that have the other parameters in common.

@@ -9,7 +9,7 @@ pub mod over;
 mod report;
 mod twins;
 
-pub use report::Report;
+pub use report::{Many, Report};
 
 use super::Verdict;
 use super::args::TableArgs;
@@ -46,8 +46,15 @@ pub fn table(args: &TableArgs) -> anyhow::Result<Verdict> {
 fn whole(document: &Document) -> String {
     let cells = &document.cells;
     let size = |cell: &Cell| (cell.key.resolution, cell.key.spp);
-    let many_sizes = cells.iter().any(|c| size(c) != size(&cells[0]));
-    let mut report = Report::new(many_sizes, document.threads);
+    let other_camera =
+        |a: &Cell, b: &Cell| a.key.scene == b.key.scene && a.key.camera != b.key.camera;
+    let many = Many {
+        sizes: cells.iter().any(|c| size(c) != size(&cells[0])),
+        cameras: cells
+            .iter()
+            .any(|a| cells.iter().any(|b| other_camera(a, b))),
+    };
+    let mut report = Report::new(many, document.threads);
     let names = Names::of(&[document]);
     let mut text = String::new();
     for batch in cells.chunk_by(|a, b| a.key.batch() == b.key.batch()) {

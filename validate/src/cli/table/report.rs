@@ -1,23 +1,32 @@
 //! The table as it grows: heads, a section for each batch, means and legend.
 
 use super::lines::{self, Means, Row};
-use dacrt_validate::results::Cell;
+use dacrt_validate::results::{Cell, CellKey};
 
 /// What was printed so far.
 pub struct Report {
     means: Means,
-    size: Option<([u32; 2], u32)>,
-    many_sizes: bool,
+    /// What was said of the last picture; none before the first.
+    picture: Option<String>,
+    many: Many,
     threads: usize,
 }
 
+/// Whether a scene is seen in several pictures, so that the table has to say which.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Many {
+    /// Sizes, or samples a pixel.
+    pub sizes: bool,
+    pub cameras: bool,
+}
+
 impl Report {
-    /// Of batches of one size, or of several, of a run with so many threads.
-    pub fn new(many_sizes: bool, threads: usize) -> Report {
+    /// Of a run with so many threads.
+    pub fn new(many: Many, threads: usize) -> Report {
         Report {
             means: Means::default(),
-            size: None,
-            many_sizes,
+            picture: None,
+            many,
             threads,
         }
     }
@@ -29,17 +38,15 @@ impl Report {
     pub fn section(&mut self, cells: &[Cell], labels: &[String]) -> String {
         assert_eq!(cells.len(), labels.len());
         let mut text = String::new();
-        if self.size.is_none() {
+        if self.picture.is_none() {
             text += &lines::heads();
         }
         let key = &cells[0].key;
-        let size = (key.resolution, key.spp);
-        if self.size != Some(size) && self.many_sizes {
-            let ([width, height], spp) = size;
-            let plural = if spp == 1 { "" } else { "s" };
-            text += &format!("{width}x{height}, {spp} sample{plural} a pixel\n");
+        let picture = self.many.name(key);
+        if !picture.is_empty() && self.picture.as_ref() != Some(&picture) {
+            text += &format!("{picture}\n");
         }
-        self.size = Some(size);
+        self.picture = Some(picture);
         let rows: Vec<Row> = (cells.iter().zip(labels))
             .map(|(cell, label)| Row::new(cell, label))
             .collect();
@@ -60,5 +67,21 @@ impl Report {
             n => format!("threads: {n} of best and of Embree, 1 of every other method\n"),
         };
         self.means.text() + lines::LEGEND + peers + &threads
+    }
+}
+
+impl Many {
+    /// `sibenik, camera aisle, 512x512, 4 samples a pixel`; empty if there is only one picture.
+    fn name(self, key: &CellKey) -> String {
+        let mut parts = Vec::new();
+        if self.cameras {
+            parts.push(format!("{}, camera {}", key.scene, key.camera));
+        }
+        if self.sizes {
+            let ([width, height], spp) = (key.resolution, key.spp);
+            let plural = if spp == 1 { "" } else { "s" };
+            parts.push(format!("{width}x{height}, {spp} sample{plural} a pixel"));
+        }
+        parts.join(", ")
     }
 }

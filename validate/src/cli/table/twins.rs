@@ -5,8 +5,8 @@ use dacrt_validate::results::Cell;
 
 const LEGEND: &str = "
 ms: median milliseconds of the trace; of which splitting: what is saved where the splits are there
-[95 %]; Embree trace, total: how many times as fast the stored splits are as its trace alone, and the
-trace as its build and trace. boxes a ray: ray/box tests of a ray sent alone, = if they and the
+[95 %]; Embree trace, total: how many times as fast the stored splits are as its trace alone, and
+the trace as its build and trace. boxes a ray: ray/box tests of a ray sent alone, = if they and the
 ray/triangle tests of all rays are as many as in the trace, to the last one, and the hits the same.
 ";
 

@@ -1,9 +1,10 @@
 //! Fig. 8 of Mora 2011: tests and times with and without conic packets, for primary rays and with
 //! one light.
 
+use crate::cli::paper::interval;
 use crate::cli::text::columns;
 use dacrt_validate::results::Cell;
-use dacrt_validate::statistics::{Ratio, paired_ratio};
+use dacrt_validate::statistics::paired_ratio;
 
 /// Pixels.
 pub const SIZE: [u32; 2] = [1280, 800];
@@ -213,7 +214,7 @@ impl Figure {
             cuts.push(row(&[
                 &scene.name,
                 &short(basic.box_tests() / cones.box_tests()),
-                &time.map_or("-".to_owned(), interval),
+                &time.map_or("-".to_owned(), |time| interval(&time)),
                 &short(basic.counts[RAY_BOX] / rays),
                 &short(triangles),
             ]));
@@ -261,11 +262,6 @@ figures are ranges over four scenes (triangles a pixel: over the three with a na
 the cameras are unpublished, Conference is another version (282,000 triangles), the other scenes are
 not at hand.
 ";
-
-pub fn interval(r: Ratio) -> String {
-    let [low, high] = r.interval;
-    format!("{:.2} [{low:.2}, {high:.2}]", r.ratio)
-}
 
 /// Least and greatest, or one of them if they are the same: `888-208k`.
 fn range([least, greatest]: Range) -> String {

@@ -1,8 +1,9 @@
 //! Figs. 6 and 14 of Mora 2011: frames a second of primary rays in conic packets, beside tracers that build
 //! a tree or have one.
 
-use super::fig8::{interval, short};
+use super::fig8::short;
 use super::size_of;
+use crate::cli::paper::interval;
 use crate::cli::text::columns;
 use dacrt_validate::results::Cell;
 use dacrt_validate::statistics::Ratio;
@@ -168,7 +169,7 @@ fn here(scene: Option<&str>, cell: Option<&Cell>) -> Vec<String> {
         short(cell.triangles as f64),
         short(1e3 / ms),
         shaded,
-        trace.map_or("-".to_owned(), |(r, i)| interval(over(r, i))),
+        trace.map_or("-".to_owned(), |(r, i)| interval(&over(r, i))),
         total.map_or("-".to_owned(), |r| format!("{:.2}", 1.0 / r)),
     ]
 }

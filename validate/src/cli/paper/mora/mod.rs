@@ -7,12 +7,13 @@ mod paths;
 use crate::cli::Verdict;
 use crate::cli::args::PaperArgs;
 use crate::cli::knobs::KnobLists;
+use crate::cli::paper::find_scenes;
 use crate::cli::plan::{
     Round, RunPlan, add_scene, check_writable, contestants, distinct, engine, film, precision,
 };
 use crate::cli::run;
 use crate::cli::size::{Resolution, Spp};
-use crate::cli::source::{SceneSource, mesh_folders};
+use crate::cli::source::mesh_folders;
 use crate::cli::text::print;
 use anyhow::{Context, ensure};
 use dacrt::Method;
@@ -71,7 +72,7 @@ fn plan(args: &PaperArgs) -> anyhow::Result<(RunPlan, Vec<String>)> {
     let engine = engine(&args.engine)?;
     let precision = precision(&args.precision)?;
     let mesh_folders = mesh_folders(&args.meshes);
-    let names = match &args.scenes {
+    let names: Vec<&str> = match &args.scenes {
         Some(names) => distinct(names).collect(),
         None => SCENES.to_vec(),
     };
@@ -108,15 +109,10 @@ fn plan(args: &PaperArgs) -> anyhow::Result<(RunPlan, Vec<String>)> {
     }
     let rounds = distinct_batches(rounds);
 
-    let (mut scenes, mut warnings, mut missing) = (Vec::new(), Vec::new(), Vec::new());
-    for name in names {
-        let source = SceneSource::find(name)?;
-        if let Some(why) = source.missing_mesh(&mesh_folders) {
-            ensure!(args.scenes.is_none(), "{why}");
-            warnings.push(format!("left out: {why}"));
-            missing.push(source.name());
-            continue;
-        }
+    let (sources, left_out) = find_scenes(names, args, &mesh_folders)?;
+    let (missing, warnings) = left_out.into_iter().unzip();
+    let mut scenes = Vec::new();
+    for source in sources {
         add_scene(&mut scenes, source, rounds.clone())?;
     }
     ensure!(

@@ -9,18 +9,18 @@ mod trend;
 use crate::cli::Verdict;
 use crate::cli::args::PaperArgs;
 use crate::cli::knobs::KnobLists;
+use crate::cli::paper::find_scenes;
 use crate::cli::plan::{
     Contestant, Round, RunPlan, add_scene, check_writable, contestants, engine, film, precision,
 };
 use crate::cli::run;
 use crate::cli::size::{Resolution, Spp};
-use crate::cli::source::{SceneSource, generated, mesh_folders};
+use crate::cli::source::{generated, mesh_folders};
 use crate::cli::text::print;
 use anyhow::{Context, ensure};
 use dacrt::workloads::{Film, RayType};
 use dacrt::{Cost, Method, ObjectParameters, Order, Parameters, Precision};
 use dacrt_validate::diff::RANDOM_RAYS;
-use dacrt_validate::embree::Quality;
 use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{CellKey, Document};
 use printed::{ABLATION, COLUMNS, Column, SAMPLES, SIDE};
@@ -58,7 +58,7 @@ fn plan(args: &PaperArgs) -> anyhow::Result<RunPlan> {
     });
     let (sizes, cameras) = match args.quick {
         true => (QUICK_SIZES, 0),
-        false => (SAMPLES.len(), args.cameras),
+        false => (args.sizes, args.cameras),
     };
     let films = SAMPLES[..sizes].iter().map(|&spp| film(size, Spp(spp)));
     let films: Vec<Film> = films.collect::<anyhow::Result<_>>()?;
@@ -66,14 +66,11 @@ fn plan(args: &PaperArgs) -> anyhow::Result<RunPlan> {
     let mut ablation = both.clone();
     ablation.extend(Technique::ALL.map(|technique| technique.contestant(precision)));
 
-    let (mut scenes, mut warnings) = (Vec::new(), Vec::new());
-    for name in scene_names(args)? {
-        let source = SceneSource::find(name)?;
-        if let Some(missing) = source.missing_mesh(&mesh_folders) {
-            ensure!(args.scenes.is_none(), "{missing}");
-            warnings.push(format!("left out: {missing}"));
-            continue;
-        }
+    let (sources, left_out) = find_scenes(scene_names(args)?, args, &mesh_folders)?;
+    let warnings = left_out.into_iter().map(|(_, why)| why).collect();
+    let mut scenes = Vec::new();
+    for source in sources {
+        let name = source.name();
         let mut rounds: Vec<Round> = Vec::new();
         for (at, column) in COLUMNS.iter().enumerate() {
             let Some((_, own)) = column.ours.filter(|(scene, _)| *scene == name) else {
@@ -111,7 +108,7 @@ fn plan(args: &PaperArgs) -> anyhow::Result<RunPlan> {
     Ok(RunPlan {
         scenes,
         repeats: args.repeats(),
-        qualities: &[Quality::Medium],
+        qualities: &[],
         exact_all: RANDOM_RAYS,
         engine,
         mesh_folders,

@@ -4,9 +4,10 @@ use super::Technique;
 use super::image::{Image, with_sampling};
 use super::printed::{ABLATION, ABLATION_WITHOUT, COLUMNS, Column, RATES, SAMPLES};
 use super::trend::{Call, call, trend};
+use crate::cli::paper::interval;
 use crate::cli::text::columns;
 use dacrt_validate::results::{Cell, CellKey};
-use dacrt_validate::statistics::{Ratio, quantile, rank};
+use dacrt_validate::statistics::{quantile, rank};
 
 /// Fewer cameras than these have no range.
 const CAMERAS: usize = 5;
@@ -376,9 +377,4 @@ fn pair([without, with]: [f64; 2]) -> String {
         _ => format!("{:.0}k", ms / 1e3),
     };
     format!("{}/{}", short(without), short(with))
-}
-
-fn interval(r: &Ratio) -> String {
-    let [low, high] = r.interval;
-    format!("{:.2} [{low:.2}, {high:.2}]", r.ratio)
 }
