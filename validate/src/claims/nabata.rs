@@ -309,6 +309,12 @@ pub fn leaf_criterion(claim: &Claim, pool: &Pool) -> Found {
         }
         parts.push(Effect::new(format!("{scene} {rays}"), time));
     }
+    let most = parts.iter().max_by(|a, b| a.value.total_cmp(&b.value));
+    let most = most.map(|most| Effect {
+        name: format!("most gained by eq. 5: {}", most.name),
+        ..most.clone()
+    });
+    parts.push(Effect::new("geometric mean of all", all));
     let sum = |of: fn(&super::NodeStatistics) -> usize| {
         pool.nodes.iter().map(|nodes| of(nodes) as f64).sum()
     };
@@ -327,10 +333,7 @@ pub fn leaf_criterion(claim: &Claim, pool: &Pool) -> Found {
             _ if perhaps > 0.0 => Verdict::Undecided,
             _ => Verdict::Contradicted,
         },
-        effect: Some(Effect::new(
-            "time with eq. 6 at leaves over that with eq. 5",
-            all,
-        )),
+        effect: most,
         parts,
         why: String::new(),
     }

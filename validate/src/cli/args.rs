@@ -157,7 +157,7 @@ Lists are comma-separated. Each combination of scene, resolution, samples, ray t
 parameters and precision is a cell; a parameter that a method lacks makes no cells of it.
 
 fast        float32: near an edge or an end of the interval, rounding may decide
-watertight  a ray hits a triangle as in exact arithmetic, so none slips through an edge; t is rounded
+watertight  a ray hits a triangle as in exact arithmetic: none slips through an edge; t is rounded
 exact       the nearest hit of exact arithmetic, t rounded once; nothing is excused by rounding
 `fast` is set against Embree's default mode, the others against its robust mode; each against
 afra2012 of the same precision.
@@ -286,8 +286,8 @@ and values of method parameters, by the names that they have in result files:
     \"precision\": [\"fast\"],
     \"parameters\": { \"bins\": [4, 8, 16, 32, 64, 128] }
   }
-`about`, `spp`, `precision` and `parameters` may be left out. Each combination is a cell; a parameter that a
-method lacks makes no cells of it.
+`about`, `spp`, `precision` and `parameters` may be left out. Each combination is a cell; a
+parameter that a method lacks makes no cells of it.
 
 The result file is written, whole or not at all, after each batch (scene, size and ray type: its
 cells are measured in turns, so that their ratios are of the same minutes). A sweep that is called
@@ -435,17 +435,17 @@ pub enum Paper {
 
 #[derive(Args)]
 #[command(after_help = "\
-nabata2013  The pictures of Figs. 4 to 7 at 512x512 pixels with 1, 4, 16 and 64 samples, each the sum
-            of its batches (primary, reflected and shadow rays, or all bounces), without and with ray
-            sampling; how the ratio goes with the size and the bounce (Fig. 8); the ablation of
-            section 5; rates. Cameras are ours, the paper prints none: the scene's own and, for the
-            range that the paper's ratios are held against, --cameras N that the program makes.
-            Embree judges the hits and is not timed. All sizes and 16 cameras take days; --quick takes
-            minutes; --sizes 2 --cameras 16 some hours.
-mora2011    Fig. 8: ray/box, cone/box, triangle/box and ray/triangle tests, nodes and frames a second
-            of mora2011 (basic) and mora2011-cones, primary rays, and of the latter with the shadow
-            rays of a point light; then what the cones save. Beside ours stand the least and the
-            greatest figure that the paper has over its scenes.
+nabata2013  The pictures of Figs. 4 to 7 at 512x512 pixels with 1, 4, 16 and 64 samples, each the
+            sum of its batches (primary, reflected and shadow rays, or all bounces), without and
+            with ray sampling; how the ratio goes with the size and the bounce (Fig. 8); the
+            ablation of section 5; rates. Cameras are ours, the paper prints none: the scene's own
+            and, for the range that the paper's ratios are held against, --cameras N that the
+            program makes. Embree judges the hits and is not timed. All sizes and 16 cameras take
+            days; --quick takes minutes; --sizes 2 --cameras 16 some hours.
+mora2011    Fig. 8: ray/box, cone/box, triangle/box and ray/triangle tests, nodes and frames a
+            second of mora2011 (basic) and mora2011-cones, primary rays, and of the latter with
+            the shadow rays of a point light; then what the cones save. Beside ours stand the
+            least and the greatest figure that the paper has over its scenes.
 
 Everything is checked as by `dacrt run` (no time without right hits), and the result file is of the
 same kind. Scenes whose mesh is not found are left out unless --scenes names them.
@@ -455,7 +455,7 @@ Examples:
   dacrt paper nabata2013 --cameras 16 --sizes 2 --resume
   dacrt paper mora2011
   dacrt paper mora2011 --scenes hall --resolution 320x200        needs no mesh file
-  dacrt paper mora2011 --from results/2026-11-22-zen5-mora-fig8.json.gz")]
+  dacrt paper mora2011 --from results/2026-11-23-granite-rapids-mora2011.json.gz")]
 pub struct PaperArgs {
     /// Which paper
     #[arg(value_enum)]
@@ -505,15 +505,17 @@ pub struct PaperArgs {
 
 #[derive(Args)]
 #[command(after_help = "\
-What the claims are, what is measured of each, and what would falsify it stands in validate/claims.json
-and was fixed before the runs. Each study is measured with several seeds; every seed has the scene's own
-camera and some of those that the program makes, so that 10 seeds have all 16 between them. A verdict is
-`contradicted` if the whole 95 % interval is where the claim is falsified, `supported` if none of it is,
-else `undecided`; `not testable` if what it needs was not measured.
+What the claims are, what is measured of each, and what would falsify it stands in
+validate/claims.json and was fixed before the runs. Each study is measured with several seeds;
+every seed has the scene's own camera and some of those that the program makes, so that 10 seeds
+have all 16 between them. A verdict is `contradicted` if the whole 95 % interval is where the
+claim is falsified, `supported` if none of it is, else `undecided`; `not testable` if what it
+needs was not measured.
 
-Results go to a folder: cells-N.json.gz, embree-N.json.gz and twins-N.json.gz of seed N (result files as
-of `dacrt run`), nodes.json, memory.json, and claims.json with the verdicts. What is there already is not measured again;
-seeds may be measured on different machines, in different sessions.
+Results go to a folder: cells-N.json.gz, embree-N.json.gz and twins-N.json.gz of seed N (result
+files as of `dacrt run`), nodes.json, memory.json, and claims.json with the verdicts. What is
+there already is not measured again; seeds may be measured on different machines, in different
+sessions.
 
 Examples:
   dacrt claims --quick
@@ -594,23 +596,25 @@ The table: `ns` is the median time of a test with its 95 % bootstrap interval, `
 processor clocks, which are measured in turns (a chain of dependent integer additions takes one
 each). `x copy` is that time over the time that a memory copy of as many bytes takes at the same
 level, all bytes counted that are read or written: near 1, the kernel is at the bound of memory.
-`Mora 2011` says whether our figure is at least as good as the one that the paper prints: 300 million
-triangles a second, 80 million cones a second, 25 clocks a ray and triangle, on a 3 GHz Core 2.
+`Mora 2011` says whether our figure is at least as good as the one that the paper prints: 300
+million triangles a second, 80 million cones a second, 25 clocks a ray and triangle, on a 3 GHz
+Core 2.
 
-ingredients  What each numerical ingredient does alone: tests of a ray and a triangle that differ from
-         precision fast in one thing each (products fused or not, t as N·C / N·d or as e2·q / det,
-         division or reciprocal estimate and Newton step, origin folded into the triangle), Woop,
-         Benthin and Wald's shear with four ways to compute its edge functions, and the kernels of
-         record of the three precisions; tests of boxes, padded or not. Errors against exact
-         arithmetic on pairs of a ray and a triangle: those of --scenes (primary and diffuse-1 rays
-         at 512x512 with what they hit and a neighbour of it, then the same rays sent to edges and
-         corners) and made-up hard ones. Then times, in turns, on made-up data in the L1 cache. If
-         watertight or exact break a promise, the exit code is 1. About a minute a scene.
+ingredients  What each numerical ingredient does alone: tests of a ray and a triangle that differ
+         from precision fast in one thing each (products fused or not, t as N·C / N·d or as e2·q /
+         det, division or reciprocal estimate and Newton step, origin folded into the triangle),
+         Woop, Benthin and Wald's shear with four ways to compute its edge functions, and the
+         kernels of record of the three precisions; tests of boxes, padded or not. Errors against
+         exact arithmetic on pairs of a ray and a triangle: those of --scenes (primary and
+         diffuse-1 rays at 512x512 with what they hit and a neighbour of it, then the same rays
+         sent to edges and corners) and made-up hard ones. Then times, in turns, on made-up data
+         in the L1 cache. If watertight or exact break a promise, the exit code is 1. About a
+         minute a scene.
 
-In its tables: hits that a test loses and misses that it takes for hits, per million pairs; how far t
-of hits is off, in units in the last place (0.5 at most if rounded correctly) and relative to t. Of
-boxes: of a million hits, those whose own box the ray misses, and those whose t, as fast computes it
-or exact, lies outside of the interval of their own box: what padding is for.
+In its tables: hits that a test loses and misses that it takes for hits, per million pairs; how
+far t of hits is off, in units in the last place (0.5 at most if rounded correctly) and relative
+to t. Of boxes: of a million hits, those whose own box the ray misses, and those whose t, as fast
+computes it or exact, lies outside of the interval of their own box: what padding is for.
 
 growth   Time of best, afra2012, nabata2013 and Embree (low and medium build) against the number of
          rays (10,000 to --max-rays, 200,000 triangles) and of triangles (1,000 to --max-triangles,
@@ -1084,4 +1088,32 @@ pub struct EnvArgs {
     pub json: bool,
     #[command(flatten)]
     pub meshes: MeshArgs,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn check(command: &clap::Command) {
+        for line in command
+            .get_after_help()
+            .map(|text| text.to_string())
+            .iter()
+            .flat_map(|text| text.lines())
+        {
+            let width = line.chars().count();
+            assert!(
+                width <= 100,
+                "{} --help: {width}: {line}",
+                command.get_name()
+            );
+        }
+        command.get_subcommands().for_each(check);
+    }
+
+    #[test]
+    fn no_line_of_a_help_is_torn() {
+        check(&Cli::command());
+    }
 }

@@ -12,7 +12,6 @@ use anyhow::{Context, ensure};
 use dacrt::scene::MeshSource;
 use dacrt::workloads::{Film, RayType};
 use dacrt::{Isa, Method, Precision, Workspace};
-use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::embree::{Device, Quality};
 use dacrt_validate::growth::{Curve, Document, EMBREE, Grows, KIND, LeftOut, Point, half_decades};
 use dacrt_validate::machine::{Machine, Software, available_memory};
@@ -259,24 +258,15 @@ impl Growth {
     ) -> anyhow::Result<Vec<Cell>> {
         // The file of a run, which is not kept.
         let folder = tempfile::tempdir().context("no temporary folder")?;
+        let engine = Engine {
+            isa: self.isa,
+            seed: SEED,
+            threads: 1,
+        };
+        let out = folder.path().join("point.json");
         let plan = RunPlan {
-            scenes: vec![scene(step, lineup)?],
-            repeats: self.repeats,
-            exact_all: RANDOM_RAYS,
             qualities: lineup.qualities,
-            engine: Engine {
-                isa: self.isa,
-                seed: SEED,
-                threads: 1,
-            },
-            mesh_folders: Vec::new(),
-            out: folder.path().join("point.json"),
-            resume: false,
-            peers: false,
-            shade: false,
-            twins: false,
-            sweep: None,
-            warnings: Vec::new(),
+            ..RunPlan::of(vec![scene(step, lineup)?], self.repeats, engine, out)
         };
         let (run, findings) = execute(&plan, progress, &mut |_, _, _, _| Ok(()))?;
         self.is_finding |= findings.verdict() == Verdict::Finding;

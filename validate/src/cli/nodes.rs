@@ -120,7 +120,7 @@ fn summary(rows: &[Row]) -> String {
         };
         let skipped = children.iter().filter(|(.., skipped)| *skipped).count();
         text += &format!(
-            "\nratios of {} by samples: too small by {:.4} in the mean, {:.4} off (root mean square); \n\
+            "\nratios of {} by samples: too small by {:.4} in the mean, {:.4} off (root mean square);\n\
              {} skipped\n",
             counted(children.len() as u64, "child").replace("childs", "children"),
             -error(&|e| e),

@@ -11,6 +11,7 @@ use anyhow::{Context, bail, ensure};
 use dacrt::scene::no_such;
 use dacrt::workloads::{Film, RayType};
 use dacrt::{Isa, Method, Parameters, Precision, Tracer};
+use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::embree::{Mode, Quality, Query};
 use dacrt_validate::machine::Machine;
 use dacrt_validate::parameters::{is_baseline, own_fields};
@@ -131,6 +132,25 @@ pub struct RunPlan {
 }
 
 impl RunPlan {
+    /// The traces and Embree's builds alone, of scenes that need no mesh file, from the beginning.
+    pub fn of(scenes: Vec<SceneJob>, repeats: u32, engine: Engine, out: PathBuf) -> RunPlan {
+        RunPlan {
+            scenes,
+            repeats,
+            qualities: &Quality::ALL,
+            exact_all: RANDOM_RAYS,
+            engine,
+            mesh_folders: Vec::new(),
+            out,
+            resume: false,
+            peers: false,
+            shade: false,
+            twins: false,
+            sweep: None,
+            warnings: Vec::new(),
+        }
+    }
+
     /// Makes sense of what was typed.
     pub fn new(args: &RunArgs) -> anyhow::Result<RunPlan> {
         ensure!(
@@ -151,22 +171,17 @@ impl RunPlan {
         };
         let (scenes, warnings) = scene_jobs(&request, &mesh_folders)?;
         check_writable(&args.out).context("--out")?;
+        let repeats = args
+            .repeats
+            .unwrap_or(if args.scenes.is_some() { 5 } else { 3 });
         Ok(RunPlan {
-            scenes,
-            repeats: args
-                .repeats
-                .unwrap_or(if args.scenes.is_some() { 5 } else { 3 }),
-            qualities: &Quality::ALL,
             exact_all: args.exact_all,
-            engine,
             mesh_folders,
-            out: args.out.clone(),
             resume: args.resume,
             peers: args.peers,
-            shade: false,
             twins: args.twins,
-            sweep: None,
             warnings,
+            ..RunPlan::of(scenes, repeats, engine, args.out.clone())
         })
     }
 

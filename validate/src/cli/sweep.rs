@@ -15,8 +15,6 @@ use super::text::{counted, print};
 use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt_validate::atomic;
-use dacrt_validate::diff::RANDOM_RAYS;
-use dacrt_validate::embree::Quality;
 use dacrt_validate::sweep::{Size, Sweep, SweepRun};
 use std::path::PathBuf;
 
@@ -83,22 +81,14 @@ fn plan(args: &SweepArgs) -> anyhow::Result<RunPlan> {
     check_writable(&out).context("--out")?;
     atomic::remove_leftovers(&out);
     Ok(RunPlan {
-        scenes,
-        repeats: args.repeats.repeats,
-        qualities: &Quality::ALL,
-        exact_all: RANDOM_RAYS,
-        engine,
         mesh_folders,
-        out,
         resume: true,
-        peers: false,
-        shade: false,
-        twins: false,
         sweep: Some(SweepRun {
             file,
             shard: args.shard.map(|s| [s.place, s.of]),
         }),
         warnings,
+        ..RunPlan::of(scenes, args.repeats.repeats, engine, out)
     })
 }
 

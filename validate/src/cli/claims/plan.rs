@@ -9,7 +9,6 @@ use crate::cli::size::{Resolution, Spp};
 use crate::cli::source::{SceneSource, generated};
 use dacrt::Precision;
 use dacrt_validate::claims::{Claims, Kind, Study};
-use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::embree::Quality;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -60,22 +59,15 @@ impl Extent<'_> {
             add_scene(&mut scenes, source, rounds)?;
         }
         Ok((!scenes.is_empty()).then(|| RunPlan {
-            scenes,
-            repeats: self.repeats,
             qualities: match kind {
                 Kind::Embree => &Quality::ALL,
                 _ => &[],
             },
-            exact_all: RANDOM_RAYS,
-            engine: self.engine,
             mesh_folders: self.mesh_folders.to_vec(),
-            out: out.to_owned(),
             resume: true,
-            peers: false,
-            shade: false,
             twins: kind == Kind::Twins,
-            sweep: None,
             warnings,
+            ..RunPlan::of(scenes, self.repeats, self.engine, out.to_owned())
         }))
     }
 

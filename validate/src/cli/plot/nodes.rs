@@ -119,7 +119,7 @@ fn wrong_skips(root: &Area, rows: &[Row], at: (i32, i32)) -> Drawn {
             Shape::Circle,
             share(1),
         ),
-        Series::new("filtered, ratio above it", BLUE, Shape::Ring, share(2)),
+        Series::new("filtered, above it", BLUE, Shape::Ring, share(2)),
     ];
     let labels = [
         "wrong decisions to skip",
@@ -129,12 +129,15 @@ fn wrong_skips(root: &Area, rows: &[Row], at: (i32, i32)) -> Drawn {
     lines(root, at, labels, true, &series)
 }
 
-/// Cost by all rays over the least, by depth.
+/// By how much the cost by all rays is above the least, by depth.
 fn regret(root: &Area, rows: &[Row], at: (i32, i32)) -> Drawn {
     let of = |cost: &dyn Fn(&Row) -> Option<u64>| {
-        by_depth(rows, &|row| {
+        let over = by_depth(rows, &|row| {
             Some((cost(row)? as f64, row.least_cost? as f64))
-        })
+        });
+        over.into_iter()
+            .map(|(depth, over)| (depth, 100.0 * (over - 1.0)))
+            .collect()
     };
     let series = [
         Series::new("split taken", ORANGE, Shape::Circle, of(&|row| row.cost)),
@@ -145,7 +148,7 @@ fn regret(root: &Area, rows: &[Row], at: (i32, i32)) -> Drawn {
             of(&|row| row.cost_by_area),
         ),
     ];
-    let labels = ["regret", "depth", "cost over the least"];
+    let labels = ["regret", "depth", "% above the least cost"];
     lines(root, at, labels, false, &series)
 }
 

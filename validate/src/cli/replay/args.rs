@@ -17,15 +17,15 @@ dacrt replay <RESULT> [--cell <CELL>] --ray <N>
     after_help = "\
 The whole batch is traced again, for how triangles are split depends on all of its rays, and one ray
 is watched: the boxes that it comes to, with the interval in which it is inside and what becomes of
-it; the triangles of each leaf that it is in, with the numbers that decide. Then stand the answers of
-each precision, of Embree and of exact arithmetic on all triangles, with a verdict on each.
+it; the triangles of each leaf that it is in, with the numbers that decide. Then stand the answers
+of each precision, of Embree and of exact arithmetic on all triangles, with a verdict on each.
 
 Of a result file, the rays are made anew from scene and seed, and their hash is compared: with
 another mesh, camera or light than then, the exit code is 2.
 
 A ray by its numbers: ox oy oz tmin dx dy dz tmax in one word, with commas or spaces between them,
-each a decimal or the hexadecimal bits of a float32, as `ray_bits` in a result file. It is a batch of
-its own, with a shared origin, unless --own-origins says that it is from a batch of many.
+each a decimal or the hexadecimal bits of a float32, as `ray_bits` in a result file. It is a batch
+of its own, with a shared origin, unless --own-origins says that it is from a batch of many.
 
 Exit code: 0, or 1 if an answer of ours is wrong.
 

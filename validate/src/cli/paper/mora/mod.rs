@@ -18,8 +18,6 @@ use crate::cli::text::print;
 use anyhow::{Context, ensure};
 use dacrt::Method;
 use dacrt::workloads::{Film, RayType};
-use dacrt_validate::diff::RANDOM_RAYS;
-use dacrt_validate::embree::Quality;
 use dacrt_validate::results::{Cell, Document};
 use fig8::Figure;
 
@@ -123,19 +121,11 @@ fn plan(args: &PaperArgs) -> anyhow::Result<(RunPlan, Vec<String>)> {
     );
     check_writable(&args.out).context("--out")?;
     let plan = RunPlan {
-        scenes,
-        repeats: args.repeats(),
-        qualities: &Quality::ALL,
-        exact_all: RANDOM_RAYS,
-        engine,
         mesh_folders,
-        out: args.out.clone(),
         resume: args.resume,
-        peers: false,
         shade: true,
-        twins: false,
-        sweep: None,
         warnings,
+        ..RunPlan::of(scenes, args.repeats(), engine, args.out.clone())
     };
     Ok((plan, missing))
 }

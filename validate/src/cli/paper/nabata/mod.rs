@@ -20,7 +20,6 @@ use crate::cli::text::print;
 use anyhow::{Context, ensure};
 use dacrt::workloads::{Film, RayType};
 use dacrt::{Cost, Method, ObjectParameters, Order, Parameters, Precision};
-use dacrt_validate::diff::RANDOM_RAYS;
 use dacrt_validate::parameters::own_fields;
 use dacrt_validate::results::{CellKey, Document};
 use printed::{ABLATION, COLUMNS, Column, SAMPLES, SIDE};
@@ -106,19 +105,11 @@ fn plan(args: &PaperArgs) -> anyhow::Result<RunPlan> {
     );
     check_writable(&args.out).context("--out")?;
     Ok(RunPlan {
-        scenes,
-        repeats: args.repeats(),
         qualities: &[],
-        exact_all: RANDOM_RAYS,
-        engine,
         mesh_folders,
-        out: args.out.clone(),
         resume: args.resume,
-        peers: false,
-        shade: false,
-        twins: false,
-        sweep: None,
         warnings,
+        ..RunPlan::of(scenes, args.repeats(), engine, args.out.clone())
     })
 }
 
