@@ -89,12 +89,22 @@ pub fn draw(panels: &[Panel]) -> anyhow::Result<String> {
     })
 }
 
-/// Each panel as a picture of its own, with the ranges of all of them, without a legend.
-pub fn separate(panels: &[Panel]) -> anyhow::Result<Vec<String>> {
+/// Each panel as a picture of its own, with the ranges of all of them, without a legend. Many chains have
+/// no names, which would cover them.
+pub fn separate(panels: &mut [Panel]) -> anyhow::Result<Vec<String>> {
+    const NAMED: usize = 12;
     let scales = Scales::of(panels);
     let size = (PANEL.0 as u32, PANEL.1 as u32);
-    let one = |panel| drawing(size, |root| draw_panel(root, panel, (0, 0), &scales));
-    panels.iter().map(one).collect()
+    let one = |panel: &mut Panel| {
+        if panel.chains.len() > NAMED {
+            panel
+                .chains
+                .iter_mut()
+                .for_each(|chain| chain.label.clear());
+        }
+        drawing(size, |root| draw_panel(root, panel, (0, 0), &scales))
+    };
+    panels.iter_mut().map(one).collect()
 }
 
 fn legend(root: &Area) -> Drawn {
@@ -183,7 +193,7 @@ fn draw_panel(root: &Area, panel: &Panel, at: (i32, i32), scales: &Scales) -> Dr
             marker(root, pixel(point), color, shape)?;
         }
     }
-    for chain in &panel.chains {
+    for chain in panel.chains.iter().filter(|c| !c.label.is_empty()) {
         let Some(first) = chain.points.first() else {
             continue;
         };

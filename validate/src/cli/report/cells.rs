@@ -27,6 +27,18 @@ enum Kind {
     Ratio,
 }
 
+impl Column {
+    /// As the script takes it.
+    fn in_words(&self) -> Value {
+        let kind = match self.kind {
+            Kind::Text => "text",
+            Kind::Number => "number",
+            Kind::Ratio => "ratio",
+        };
+        json!({ "name": self.name, "title": self.title, "kind": kind })
+    }
+}
+
 /// What a cell does not know of itself.
 struct Context<'a> {
     file: &'a str,
@@ -112,22 +124,18 @@ const fn ratio(
     }
 }
 
-/// The table of all cells; none if no file has any.
+/// The table of all cells, without columns that are empty; none if no file has any.
 pub fn section(files: &[File]) -> Option<Section> {
-    let rows: Vec<Value> = files.iter().flat_map(rows).collect();
+    let rows: Vec<Vec<Value>> = files.iter().flat_map(rows).collect();
     if rows.is_empty() {
         return None;
     }
-    let columns: Vec<Value> = (COLUMNS.iter())
-        .map(|column| {
-            let kind = match column.kind {
-                Kind::Text => "text",
-                Kind::Number => "number",
-                Kind::Ratio => "ratio",
-            };
-            json!({ "name": column.name, "title": column.title, "kind": kind })
-        })
-        .collect();
+    let is_there = |value: &Value| !value.is_null() && value != "";
+    let used = (0..COLUMNS.len()).filter(|&i| rows.iter().any(|row| is_there(&row[i])));
+    let used: Vec<usize> = used.collect();
+    let columns: Vec<Value> = used.iter().map(|&i| COLUMNS[i].in_words()).collect();
+    let of_used = |row: &Vec<Value>| used.iter().map(|&i| row[i].clone()).collect();
+    let rows: Vec<Value> = rows.iter().map(of_used).collect();
     let data = json!({ "columns": columns, "rows": rows }).to_string();
     // Nothing in a script element is markup but its end.
     let data = data.replace('<', "\\u003c");
@@ -157,7 +165,7 @@ pub fn section(files: &[File]) -> Option<Section> {
     })
 }
 
-fn rows(file: &File) -> Vec<Value> {
+fn rows(file: &File) -> Vec<Vec<Value>> {
     let cells = file.cells();
     let varied = varied(cells);
     let context = Context {

@@ -11,7 +11,7 @@ use dacrt_validate::statistics::{Ratio, geometric_mean};
 use maud::html;
 
 /// More rows than these are put together.
-const ROWS: usize = 42;
+const ROWS: usize = 64;
 
 /// Two panels a file: with Embree's build, and against its trace alone.
 pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {

@@ -19,9 +19,12 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
         for batch in &batches {
             add(&mut panels, batch);
         }
-        panels.retain(|panel| panel.chains.iter().any(|chain| chain.points.len() > 1));
+        panels.retain(|panel| {
+            let points = panel.chains.iter().map(|chain| chain.points.len());
+            points.sum::<usize>() > 1
+        });
         if !panels.is_empty() {
-            parts.push((&file.name, plots(separate(&panels)?)));
+            parts.push((&file.name, plots(separate(&mut panels)?)));
         }
     }
     if parts.is_empty() {
@@ -32,7 +35,7 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
             "Left is faster, down is more exact. A point is a scene by one precision of ours (by the method \
              that is the fastest there) or by one mode of Embree with its build; grey lines join what \
              belongs together. Errors are answers of randomly drawn rays that are not those of exact \
-             arithmetic; what has none stands on the line at the bottom."
+             arithmetic; what has none stands on the line at the bottom. Many scenes have no names."
         }
         (legend(SERIES))
         (by_file(parts))

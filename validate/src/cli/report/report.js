@@ -92,10 +92,10 @@
     body.append(part);
   }
 
-  // Wrong rays, and ratios whose whole interval is below 1.
+  // Wrong rays, and ratios whose whole interval is below 1; of one repeat there is no interval.
   function isBad(column, value) {
     if (value === null) return false;
-    return column.kind === 'ratio' ? value[2] < 1 : column.name === 'wrong' && value > 0;
+    return column.kind === 'ratio' ? value[1] < value[2] && value[2] < 1 : column.name === 'wrong' && value > 0;
   }
 
   function show() {

@@ -30,7 +30,9 @@ pub fn bounce(files: &[File]) -> anyhow::Result<Option<Section>> {
     let view = View {
         id: "bounce",
         title: "Acceleration ratio against bounces",
-        panel: |key| bounce_of(key).map(|_| camera_rays_in_words(key)),
+        panel: |key| {
+            bounce_of(key).map(|_| format!("{} rays from the camera", camera_rays_in_words(key)))
+        },
         x: |key| bounce_of(key).unwrap_or_default(),
         x_in_words: |key| bounce_of(key).unwrap_or_default().to_string(),
         x_title: "diffuse bounce",
