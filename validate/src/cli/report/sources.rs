@@ -8,9 +8,12 @@ use dacrt_validate::machine::{Machine, Software};
 use dacrt_validate::results::Cell;
 use maud::{Markup, html};
 
+/// More files than these are folded.
+const UNFOLDED: usize = 3;
+
 /// All files.
 pub fn section(files: &[File]) -> Section {
-    let body = html! { @for file in files { (of(file)) } };
+    let body = html! { @for file in files { (of(file, files.len() <= UNFOLDED)) } };
     Section {
         id: "files",
         title: "Files",
@@ -18,11 +21,11 @@ pub fn section(files: &[File]) -> Section {
     }
 }
 
-fn of(file: &File) -> Markup {
+fn of(file: &File, is_open: bool) -> Markup {
     let (machine, software, command) = file.origin();
     let parameters = constant_parameters(file.cells());
     html! {
-        details.source open[true] {
+        details open[is_open] {
             summary { (file.name) " (" (file.kind()) ")" }
             pre { (command.join(" ")) }
             p { (machine_in_words(machine)) }

@@ -29,7 +29,7 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
         p {
             "Time over the best time of the same method on the same batch; 1 is the best value there is. \
              Curves: pale each batch, bold the geometric mean over batches; where more than two parameters \
-             vary, the others are at their best for each value. Heat maps: geometric means over batches."
+             vary, the others are the same for all values, or at their best for each. Heat maps: geometric means over batches."
         }
         (legend_of(&methods))
         (by_file(parts))
@@ -121,29 +121,12 @@ impl Sweep<'_> {
         values(&all, name)
     }
 
-    /// For each batch the least time of cells that `is` takes, over the least of all.
-    fn over_best(&self, is: &dyn Fn(&CellKey) -> bool) -> Vec<Option<f64>> {
-        let of_batch = |batch: &Vec<&Cell>| {
-            let least = |cells: &mut dyn Iterator<Item = &&Cell>| {
-                cells
-                    .filter_map(|cell| cell.median_ms)
-                    .min_by(f64::total_cmp)
-            };
-            let best = least(&mut batch.iter())?;
-            Some(least(&mut batch.iter().filter(|cell| is(&cell.key)))? / best)
-        };
-        self.batches.iter().map(of_batch).collect()
-    }
-
     fn curves(&self, name: &str) -> anyhow::Result<String> {
+        let batches = self.batches.iter().map(|batch| comparable(batch, name));
+        let batches: Vec<Vec<&Cell>> = batches.filter(|batch| !batch.is_empty()).collect();
         let values = self.values(name);
-        let has = |value: &Value| {
-            let value = value.clone();
-            move |key: &CellKey| key.parameters.get(name) == Some(&value)
-        };
-        let by_value: Vec<Vec<Option<f64>>> = values
-            .iter()
-            .map(|value| self.over_best(&has(value)))
+        let by_value: Vec<Vec<Option<f64>>> = (values.iter())
+            .map(|value| over_best(&batches, &|key| key.parameters.get(name) == Some(value)))
             .collect();
         let (color, shape) = look(self.method);
         let line = |points, shape| Line {
@@ -153,16 +136,9 @@ impl Sweep<'_> {
             points,
         };
         let numbered = || (0..).map(f64::from).zip(&by_value);
-        let mut lines: Vec<Line> = (0..self.batches.len())
-            .map(|batch| {
-                line(
-                    numbered()
-                        .filter_map(|(x, of)| Some((x, of[batch]?)))
-                        .collect(),
-                    None,
-                )
-            })
-            .collect();
+        let of_batch = |batch: usize| numbered().filter_map(move |(x, of)| Some((x, of[batch]?)));
+        let pale = (0..batches.len()).map(|batch| line(of_batch(batch).collect(), None));
+        let mut lines: Vec<Line> = pale.collect();
         let mean = |(x, of): (f64, &Vec<Option<f64>>)| {
             // A mean of other batches says nothing beside it.
             let all: Vec<f64> = of.iter().copied().collect::<Option<_>>()?;
@@ -181,7 +157,9 @@ impl Sweep<'_> {
             let is = |key: &CellKey| {
                 key.parameters.get(x) == Some(a) && key.parameters.get(y) == Some(b)
             };
-            let all: Vec<f64> = self.over_best(&is).into_iter().collect::<Option<_>>()?;
+            let all: Vec<f64> = over_best(&self.batches, &is)
+                .into_iter()
+                .collect::<Option<_>>()?;
             geometric_mean(&all)
         };
         let names = both
@@ -189,4 +167,44 @@ impl Sweep<'_> {
             .map(|values| values.iter().map(plain).collect::<Vec<_>>());
         heat_map::panel(&self.name(), [x, y], [&names[0], &names[1]], &field)
     }
+}
+
+/// Of the cells of a batch those beside which stand others that differ in this parameter only, with the most
+/// values that there are; none if it does not vary.
+fn comparable<'a>(batch: &[&'a Cell], name: &str) -> Vec<&'a Cell> {
+    let others = |cell: &Cell| {
+        let mut others = cell.key.parameters.clone();
+        others.remove(name);
+        others.remove("variant");
+        others
+    };
+    let groups = distinct(batch.iter().map(|cell| others(cell)));
+    let groups: Vec<Vec<&Cell>> = (groups.iter())
+        .map(|group| {
+            let of_group = batch.iter().filter(|cell| others(cell) == *group);
+            of_group.copied().collect()
+        })
+        .collect();
+    let most = groups.iter().map(|cells| values(cells, name).len()).max();
+    let Some(most) = most.filter(|&most| most > 1) else {
+        return Vec::new();
+    };
+    let whole = groups
+        .into_iter()
+        .filter(|cells| values(cells, name).len() == most);
+    whole.flatten().collect()
+}
+
+/// For each batch the least time of cells that `is` takes, over the least of all.
+fn over_best(batches: &[Vec<&Cell>], is: &dyn Fn(&CellKey) -> bool) -> Vec<Option<f64>> {
+    let least = |cells: &mut dyn Iterator<Item = &&Cell>| {
+        cells
+            .filter_map(|cell| cell.median_ms)
+            .min_by(f64::total_cmp)
+    };
+    let of_batch = |batch: &Vec<&Cell>| {
+        let best = least(&mut batch.iter())?;
+        Some(least(&mut batch.iter().filter(|cell| is(&cell.key)))? / best)
+    };
+    batches.iter().map(of_batch).collect()
 }
