@@ -91,20 +91,20 @@ pub fn draw(panels: &[Panel]) -> anyhow::Result<String> {
 
 /// Each panel as a picture of its own, with the ranges of all of them, without a legend. Many chains have
 /// no names, which would cover them.
-pub fn separate(panels: &mut [Panel]) -> anyhow::Result<Vec<String>> {
+pub fn separate(panels: Vec<Panel>) -> anyhow::Result<Vec<String>> {
     const NAMED: usize = 12;
-    let scales = Scales::of(panels);
+    let scales = Scales::of(&panels);
     let size = (PANEL.0 as u32, PANEL.1 as u32);
-    let one = |panel: &mut Panel| {
+    let one = |mut panel: Panel| {
         if panel.chains.len() > NAMED {
             panel
                 .chains
                 .iter_mut()
                 .for_each(|chain| chain.label.clear());
         }
-        drawing(size, |root| draw_panel(root, panel, (0, 0), &scales))
+        drawing(size, |root| draw_panel(root, &panel, (0, 0), &scales))
     };
-    panels.iter_mut().map(one).collect()
+    panels.into_iter().map(one).collect()
 }
 
 fn legend(root: &Area) -> Drawn {

@@ -4,45 +4,70 @@ use super::Section;
 use super::file::File;
 use super::words::{by_file, legend, plots};
 use crate::cli::plot::errors::{Panel, SERIES, add, separate};
-use dacrt_validate::accuracy::batches;
+use crate::cli::text::counted;
+use dacrt_validate::accuracy::{Batch, batches};
 use maud::{Markup, html};
 
-/// A panel a ray type; none if no file has judged rays and times.
+/// A panel a ray type for files with errors, a sentence for those without; none if no file has judged rays.
 pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
     let mut parts: Vec<(&str, Markup)> = Vec::new();
+    let mut clean: Vec<String> = Vec::new();
     for file in files {
-        let Some(document) = file.results() else {
+        let batches = file.results().map(batches).unwrap_or_default();
+        if batches.is_empty() {
             continue;
-        };
-        let batches = batches(document);
-        let mut panels: Vec<Panel> = Vec::new();
-        for batch in &batches {
-            add(&mut panels, batch);
         }
-        panels.retain(|panel| {
-            let points = panel.chains.iter().map(|chain| chain.points.len());
-            points.sum::<usize>() > 1
-        });
-        if !panels.is_empty() {
-            parts.push((&file.name, plots(separate(&mut panels)?)));
+        let has_errors = |batch: &Batch| batch.tracers.iter().any(|who| who.errors.all() > 0);
+        let panels = panels(&batches);
+        if !batches.iter().any(has_errors) {
+            let sample: u64 = batches.iter().map(|batch| batch.sample).sum();
+            clean.push(format!("{} ({})", file.name, counted(sample, "judged ray")));
+        } else if !panels.is_empty() {
+            parts.push((&file.name, plots(separate(panels)?)));
         }
     }
-    if parts.is_empty() {
+    if parts.is_empty() && clean.is_empty() {
         return Ok(None);
     }
     let body = html! {
-        p {
-            "Left is faster, down is more exact. A point is a scene by one precision of ours (by the method \
-             that is the fastest there) or by one mode of Embree with its build; grey lines join what \
-             belongs together. Errors are answers of randomly drawn rays that are not those of exact \
-             arithmetic; what has none stands on the line at the bottom. Many scenes have no names."
+        @if !clean.is_empty() {
+            p {
+                "Neither ours nor Embree's modes have an answer that is not that of exact arithmetic among the \
+                 randomly drawn rays of " (clean.join(", ")) "."
+            }
         }
-        (legend(SERIES))
-        (by_file(parts))
+        @if !parts.is_empty() { (drawn(parts)) }
     };
     Ok(Some(Section {
         id: "errors",
         title: "Speed against error",
         body,
     }))
+}
+
+/// Those with more than one point.
+fn panels(batches: &[Batch]) -> Vec<Panel> {
+    let mut panels: Vec<Panel> = Vec::new();
+    for batch in batches {
+        add(&mut panels, batch);
+    }
+    panels.retain(|panel| {
+        let points = panel.chains.iter().map(|chain| chain.points.len());
+        points.sum::<usize>() > 1
+    });
+    panels
+}
+
+fn drawn(parts: Vec<(&str, Markup)>) -> Markup {
+    html! {
+        p {
+            "Left is faster, down is more exact. A point is a scene by one precision of ours (by the method \
+             that is the fastest there) or by one mode of Embree with its build; grey lines join what \
+             belongs together. Errors are answers of randomly drawn rays that are not those of exact \
+             arithmetic; what has none stands on the line at the bottom. Where there are many scenes, they \
+             have no names."
+        }
+        (legend(SERIES))
+        (by_file(parts))
+    }
 }

@@ -18,7 +18,7 @@ pub struct File {
 /// What a file can be.
 pub enum Content {
     /// Of `dacrt run`, `sweep`, `merge` or `paper`.
-    Results(Document),
+    Results(Box<Document>),
     Growth(growth::Document),
     Hard(hard::Document),
     Claims(claims::Document),
@@ -37,7 +37,7 @@ impl File {
     /// The results of a run, if it has them.
     pub fn results(&self) -> Option<&Document> {
         match &self.content {
-            Content::Results(document) => Some(document),
+            Content::Results(document) => Some(&**document),
             _ => None,
         }
     }
@@ -125,7 +125,7 @@ fn content(path: &Path) -> anyhow::Result<Content> {
         Some(claims::KIND) => Content::Claims(parsed(path, &text)?),
         Some(throughput::KIND) => bail!("{name}: is of `dacrt bench throughput`; {taken}"),
         Some(other) => bail!("{name}: its kind is {other:?}; {taken}"),
-        None if marks.schema.is_some() => Content::Results(Document::read(path)?),
+        None if marks.schema.is_some() => Content::Results(Box::new(Document::read(path)?)),
         None if marks.scenes.is_some() => bail!("{name}: says what to sweep; {taken}"),
         None if marks.meshes.is_some() => bail!("{name}: describes a scene; {taken}"),
         None => bail!("{name}: has neither schema nor kind; {taken}"),

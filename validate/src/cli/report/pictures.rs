@@ -39,7 +39,7 @@ pub fn section(args: &ReportArgs) -> anyhow::Result<Option<Section>> {
              Against Embree's default mode: grey where both agree; "
             @for class in Class::PARTED {
                 @let [r, g, b] = color::class(class);
-                span.swatch style=(format!("background:rgb({r},{g},{b})")) {} (class.name()) " "
+                span.class { span.swatch style=(format!("background:rgb({r},{g},{b})")) {} (class.name()) } " "
             }
         }
         @for scene in scenes { (scene) }

@@ -10,7 +10,7 @@ use dacrt_validate::statistics::geometric_mean;
 use maud::html;
 
 const READING: &str = "Above 1 is faster than afra2012 on the same rays in the same run. Pale: each scene and \
-                       camera; bold: the geometric mean over those that have all points. Default parameters.";
+                       camera; bold: the geometric mean where all of them have points. Default parameters.";
 
 /// Against the number of rays from the camera, a panel a ray type.
 pub fn resolution(files: &[File]) -> anyhow::Result<Option<Section>> {
@@ -157,19 +157,33 @@ impl View {
     }
 }
 
-/// The geometric mean of the curves that have as many points as the longest.
+/// The geometric mean where all curves have points; if that is one place or none, of the curves that have
+/// those of the longest.
 fn mean(curves: &[&Curve]) -> Vec<(f64, f64)> {
     let Some(longest) = curves.iter().max_by_key(|curve| curve.points.len()) else {
         return Vec::new();
     };
-    let xs = |curve: &Curve| curve.points.iter().map(|point| point.0).collect::<Vec<_>>();
-    let whole: Vec<_> = curves
-        .iter()
-        .filter(|curve| xs(curve) == xs(longest))
+    let has = |curve: &Curve, x: f64| curve.points.iter().any(|point| point.0 == x);
+    let all = || longest.points.iter().map(|point| point.0);
+    let common: Vec<f64> = all()
+        .filter(|&x| curves.iter().all(|curve| has(curve, x)))
         .collect();
-    let at = |i: usize| {
-        let ratios: Vec<f64> = whole.iter().map(|curve| curve.points[i].1).collect();
-        Some((longest.points[i].0, geometric_mean(&ratios)?))
+    let xs = if common.len() > 1 {
+        common
+    } else {
+        all().collect()
     };
-    (0..longest.points.len()).filter_map(at).collect()
+    let whole = curves
+        .iter()
+        .filter(|curve| xs.iter().all(|&x| has(curve, x)));
+    let whole: Vec<&&Curve> = whole.collect();
+    let at = |x: f64| {
+        let points = whole.iter().flat_map(|curve| &curve.points);
+        let ratios: Vec<f64> = points
+            .filter(|point| point.0 == x)
+            .map(|point| point.1)
+            .collect();
+        Some((x, geometric_mean(&ratios)?))
+    };
+    xs.into_iter().filter_map(at).collect()
 }
