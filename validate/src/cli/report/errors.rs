@@ -45,7 +45,7 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
     }))
 }
 
-/// Those with more than one point.
+/// Those with more than one point, and of these those with errors if any has.
 fn panels(batches: &[Batch]) -> Vec<Panel> {
     let mut panels: Vec<Panel> = Vec::new();
     for batch in batches {
@@ -55,6 +55,13 @@ fn panels(batches: &[Batch]) -> Vec<Panel> {
         let points = panel.chains.iter().map(|chain| chain.points.len());
         points.sum::<usize>() > 1
     });
+    let has_errors = |panel: &Panel| {
+        let mut points = panel.chains.iter().flat_map(|chain| &chain.points);
+        points.any(|&(_, _, errors)| errors > 0.0)
+    };
+    if panels.iter().any(has_errors) {
+        panels.retain(has_errors);
+    }
     panels
 }
 
@@ -65,7 +72,7 @@ fn drawn(parts: Vec<(&str, Markup)>) -> Markup {
              that is the fastest there) or by one mode of Embree with its build; grey lines join what \
              belongs together. Errors are answers of randomly drawn rays that are not those of exact \
              arithmetic; what has none stands on the line at the bottom. Where there are many scenes, they \
-             have no names."
+             have no names; ray types without any error are left out."
         }
         (legend(SERIES))
         (by_file(parts))
