@@ -9,6 +9,7 @@
 //! are not those of exact arithmetic, and how far off t is ([`Errors`]).
 
 use crate::bounds::{Kernel, UNIT};
+use crate::embree::Mode;
 use crate::exact::{Nearest, meet};
 use crate::judge::{Answer, Answers, Claim, Judge, Verdict, Wrong};
 use crate::npy::ray_floats;
@@ -301,6 +302,45 @@ impl<'a> Checker<'a> {
         diff
     }
 
+    /// The class of each ray against this mode of Embree, as they are counted in [`Diff`].
+    ///
+    /// # Panics
+    /// If there are not as many answers as rays, or they are for the other kind of query.
+    pub fn classes(&self, precision: Precision, ours: Answers, mode: Mode) -> Vec<Class> {
+        assert_eq!(ours.len(), self.batch.len());
+        assert_eq!(ours.is_nearest(), self.embree_fast.is_nearest());
+        let by = (Kernel::of(precision), ours);
+        let reference = match mode {
+            Mode::Fast => (Kernel::EmbreeFast, self.embree_fast),
+            Mode::Robust => (Kernel::EmbreeRobust, self.embree_robust),
+        };
+        let agreements: Vec<Option<Class>> = (0..self.batch.len())
+            .map(|i| self.agreement(i, (by.0, ours.get(i)), (reference.0, reference.1.get(i))))
+            .collect();
+        let is_open = |class: &Option<Class>| match class {
+            Some(Class::Tie) => by.0 == Kernel::Exact,
+            class => class.is_none(),
+        };
+        let open = (0..).zip(&agreements).filter(|(_, class)| is_open(class));
+        let open: Vec<u32> = open.map(|(i, _)| i).collect();
+        let judgements = self.judge.judge(self.batch, &open, &[by, reference]);
+        let judged = open.iter().zip(&judgements).map(|(&i, judgement)| {
+            let of =
+                |who: usize, answers: Answers| (answers.get(i as usize), judgement.verdicts[who]);
+            let (ours, other) = (of(0, ours), of(1, reference.1));
+            match agreements[i as usize] {
+                Some(Class::Tie) if !ours.1.is_wrong() => Class::Tie,
+                _ => class(ours, other),
+            }
+        });
+        let mut judged = judged.collect::<Vec<Class>>().into_iter();
+        let settled = agreements.iter().map(|class| match is_open(class) {
+            true => judged.next(),
+            false => *class,
+        });
+        settled.flatten().collect()
+    }
+
     fn check_anew(&self, kernel: Kernel, ours: Answers) -> Diff {
         assert_eq!(ours.len(), self.batch.len());
         assert_eq!(ours.is_nearest(), self.embree_fast.is_nearest());
@@ -574,9 +614,10 @@ impl ErrorCount {
     }
 }
 
-/// What becomes of a ray.
+/// What becomes of a ray: the fields of [`ReferenceDiff`], which say what they mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Class {
+#[allow(missing_docs)]
+pub enum Class {
     Same,
     TDrift,
     Tie,
@@ -584,6 +625,31 @@ enum Class {
     OursWrong,
     ReferenceWrong,
     BothWrong,
+}
+
+impl Class {
+    /// All but [`Class::Same`].
+    pub const PARTED: [Class; 6] = [
+        Class::Tie,
+        Class::Edge,
+        Class::ReferenceWrong,
+        Class::OursWrong,
+        Class::TDrift,
+        Class::BothWrong,
+    ];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Same => "same",
+            Class::TDrift => "t drift",
+            Class::Tie => "tie",
+            Class::Edge => "edge",
+            Class::OursWrong => "ours wrong",
+            Class::ReferenceWrong => "Embree wrong",
+            Class::BothWrong => "both wrong",
+        }
+    }
 }
 
 /// The class of a ray on which two answers differ, by what the judge says of them. Where neither is

@@ -13,7 +13,7 @@ pub mod growth;
 pub mod hard;
 pub mod hash;
 pub mod ingredients;
-mod json_file;
+pub mod json_file;
 pub mod json_float;
 pub mod judge;
 pub mod kernels;

@@ -4,6 +4,7 @@ use crate::diff::Diff;
 use crate::embree::Mode;
 use crate::json_file;
 use crate::machine::{Machine, Software};
+use crate::parameters::own_fields;
 use crate::sweep::SweepRun;
 use dacrt::Method;
 use schemars::JsonSchema;
@@ -204,6 +205,17 @@ impl CellKey {
                 self.parameters.insert(name.to_owned(), value.into());
             }
         }
+    }
+
+    /// Whether all parameters are the defaults of the method.
+    pub fn is_preset(&self) -> bool {
+        self.method.parse::<Method>().is_ok_and(|method| {
+            let preset = CellKey {
+                parameters: own_fields(method, &method.parameters()),
+                ..self.clone()
+            };
+            preset.is(self)
+        })
     }
 
     /// What all cells of one batch have in common: scene, camera, size, samples, ray type.

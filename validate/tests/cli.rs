@@ -9,7 +9,7 @@ use std::path::Path;
 fn help_is_there_for_every_command() {
     let folder = Folder::new();
     for command in [
-        "", "run", "paper", "bench", "trace", "replay", "render", "scenes", "env",
+        "", "run", "report", "paper", "bench", "trace", "replay", "render", "scenes", "env",
     ] {
         let help = folder.dacrt(&format!("{command} --help"));
         let text = help.exits(0).stdout();
@@ -79,9 +79,15 @@ fn contains(file: &Path, bytes: &[u8]) -> bool {
 #[test]
 fn pictures() {
     let folder = Folder::new();
-    let run = folder.dacrt("render ./tiny.json --what shaded,depth,prim,boxes --resolution 20x10");
+    let run =
+        folder.dacrt("render ./tiny.json --what shaded,depth,prim,boxes,diff --resolution 20x10");
     run.exits(0);
-    for what in ["shaded", "depth", "prim", "boxes"] {
+    assert!(
+        run.stdout().contains("tiny-diff.png (same 200)"),
+        "{}",
+        run.stdout()
+    );
+    for what in ["shaded", "depth", "prim", "boxes", "diff"] {
         let name = format!("tiny-{what}.png");
         assert!(run.stdout().contains(&name), "{}", run.stdout());
         assert_size(&folder.path(&name), 20, 10);

@@ -5,7 +5,8 @@ mod common;
 use common::{Form, any, nearest, rays, soup};
 use dacrt::{Batch, Hits, Mesh, Ray, Triangle};
 use dacrt::{MISS, Precision};
-use dacrt_validate::diff::{Checker, Diff, MOST_JUDGED, ReferenceDiff};
+use dacrt_validate::diff::{Checker, Class, Diff, MOST_JUDGED, ReferenceDiff};
+use dacrt_validate::embree::Mode;
 use dacrt_validate::hash::hit_hash;
 use dacrt_validate::judge::{Answer, Answers, Judge, Verdict};
 use fastrand::Rng;
@@ -192,6 +193,40 @@ fn equal_hits_are_judged_once() {
     // Known by its hash, so what is given with it is not looked at.
     assert_eq!(checker.check(Precision::Fast, of(&misses), "a"), diff);
     assert_ne!(checker.check(Precision::Fast, of(&misses), "b"), diff);
+}
+
+#[test]
+fn classes_of_rays_are_those_that_are_counted() {
+    let (mesh, batch) = scene(&mut Rng::with_seed(7));
+    let [ours, fast, robust] = common::FORMS.map(|form| nearest(&mesh, &batch, form));
+    let of = Answers::Nearest;
+    let judge = Judge::new(&mesh);
+    let mut checker = Checker::new(&judge, &batch, of(&fast), of(&robust), 0, 1);
+    for precision in Precision::ALL {
+        let diff = checker.check(precision, of(&ours), precision.name());
+        for (mode, part) in Mode::ALL
+            .into_iter()
+            .zip([diff.embree_fast, diff.embree_robust])
+        {
+            let classes = checker.classes(precision, of(&ours), mode);
+            let count = |class| classes.iter().filter(|&&c| c == class).count() as u64;
+            assert_eq!(classes.len(), batch.len());
+            assert_eq!(count(Class::Same), part.same, "{precision}");
+            assert_eq!(count(Class::Tie), part.tie, "{precision}");
+            assert_eq!(Some(count(Class::Edge)), part.edge, "{precision}");
+            assert_eq!(
+                Some(count(Class::OursWrong)),
+                part.ours_wrong,
+                "{precision}"
+            );
+            assert_eq!(Some(count(Class::TDrift)), part.t_drift, "{precision}");
+            assert_eq!(
+                Some(count(Class::BothWrong)),
+                part.both_wrong,
+                "{precision}"
+            );
+        }
+    }
 }
 
 #[test]

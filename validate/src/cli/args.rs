@@ -28,6 +28,7 @@ Examples:
   dacrt sweep scripts/sweeps/bins.json
   dacrt table dacrt-run.json --csv
   dacrt plot errors dacrt-run.json --out errors.svg
+  dacrt report dacrt-run.json --out report.html
   dacrt paper mora2011
   dacrt claims --quick
   dacrt bench kernels
@@ -61,6 +62,8 @@ pub enum Command {
     Table(TableArgs),
     /// Draw a result file as SVG
     Plot(PlotArgs),
+    /// Make one page of result files to look at in a browser: summary, plots, claims, all cells
+    Report(ReportArgs),
     /// Measure what a paper prints, and set its figures beside ours
     Paper(PaperArgs),
     /// Judge the papers' claims one by one by what is measured for each
@@ -424,6 +427,47 @@ pub struct PlotArgs {
     /// Where the picture goes: .svg
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+One HTML file that needs nothing else: no network, no server. Wrong hits and lost cells come first;
+then plots of what the files have (speed against error, the acceleration ratio against resolution
+and bounce, ratios to Embree, ablation, sweeps as curves and heat maps, growth), figures of the
+papers, claims with their verdicts, hard cases, all cells in a table that can be sorted and
+filtered, and where each file comes from. What the files do not have is not there.
+
+Files are those of `dacrt run`, `sweep`, `merge`, `paper`, `bench growth`, `hard` and `claims`
+(claims.json and the rest), of one machine or of several: no ratio is made of two files. The same
+files give the same bytes.
+
+The view of the table stands in the address of the page, as it does in links such as
+  report.html#sort=-ms&filter=sibenik&method=best
+
+Examples:
+  dacrt report dacrt-run.json
+  dacrt report results/*.json.gz --out report.html
+  dacrt report dacrt-run.json --pictures hall,sibenik")]
+pub struct ReportArgs {
+    /// Result files, plain or gzip
+    #[arg(required = true, value_name = "FILES")]
+    pub files: Vec<PathBuf>,
+    /// Where the page goes: .html
+    #[arg(long, value_name = "FILE", default_value = "dacrt-report.html")]
+    pub out: PathBuf,
+    /// Scenes to make pictures of now: how it looks, ray/box tests, and where Embree differs
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub pictures: Option<Vec<String>>,
+    /// Their size in pixels
+    #[arg(
+        long,
+        value_name = "N|WxH",
+        default_value = "256",
+        allow_negative_numbers = true
+    )]
+    pub picture_resolution: Resolution,
+    #[command(flatten)]
+    pub meshes: MeshArgs,
 }
 
 /// A paper with figures to set ours beside.
@@ -942,6 +986,7 @@ pub enum What {
     Depth,
     Prim,
     Boxes,
+    Diff,
 }
 
 impl What {
@@ -952,6 +997,7 @@ impl What {
             What::Depth => "depth",
             What::Prim => "prim",
             What::Boxes => "boxes",
+            What::Diff => "diff",
         }
     }
 }
@@ -1019,6 +1065,9 @@ prim    a colour for each triangle
 boxes   ray/box tests a ray in false colour, from black (none) over blue, green and yellow to red
         (the most there are): each tile of 8 x 8 pixels is traced as a batch of its own, so large
         scenes take a while
+diff    the class of each ray against Embree in the mode that the precision is set against: grey
+        where both agree; tie blue, edge green, Embree wrong yellow, ours wrong (t included) red,
+        both wrong violet
 
 Examples:
   dacrt render hall                                  hall-shaded.png

@@ -1,5 +1,7 @@
 //! From numbers to the colours of a picture.
 
+use dacrt_validate::diff::Class;
+
 /// sRGB byte of a linear value; values outside 0 to 1 are clamped, NaN is black.
 pub fn srgb(linear: f32) -> u8 {
     let x = linear.clamp(0.0, 1.0);
@@ -38,6 +40,18 @@ pub fn heat(share: f32) -> [u8; 3] {
     let i = (x as usize).min(STOPS.len() - 2);
     let f = x - i as f32;
     std::array::from_fn(|c| (STOPS[i][c] * (1.0 - f) + STOPS[i + 1][c] * f).round() as u8)
+}
+
+/// The colour of a class of differences (Okabe and Ito), or black.
+pub fn class(class: Class) -> [u8; 3] {
+    match class {
+        Class::Same => [0, 0, 0],
+        Class::Tie => [86, 180, 233],
+        Class::Edge => [0, 200, 130],
+        Class::ReferenceWrong => [240, 228, 66],
+        Class::OursWrong | Class::TDrift => [255, 40, 0],
+        Class::BothWrong => [204, 121, 167],
+    }
 }
 
 #[cfg(test)]

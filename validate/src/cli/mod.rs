@@ -20,6 +20,7 @@ mod plot;
 mod progress;
 mod render;
 mod replay;
+mod report;
 mod run;
 mod scenes;
 mod schema;
@@ -65,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Merge(args) => merge::merge(&args),
         Command::Table(args) => table::table(&args),
         Command::Plot(args) => plot::plot(&args),
+        Command::Report(args) => report::report(&args),
         Command::Paper(args) => paper::paper(&args),
         Command::Claims(args) => claims::claims(&args),
         Command::Bench(args) => bench::bench(&args),

@@ -33,17 +33,23 @@ impl Picture {
     pub fn save(&self, path: &Path) -> anyhow::Result<()> {
         atomic::write(path, |file| {
             let mut file = BufWriter::new(file);
-            // The default is fast and makes files that are hardly smaller than the pixels.
-            let encoder = PngEncoder::new_with_quality(
-                &mut file,
-                CompressionType::Best,
-                FilterType::Adaptive,
-            );
-            self.0
-                .write_with_encoder(encoder)
-                .map_err(io::Error::other)?;
+            self.encode(&mut file)?;
             file.flush()
         })
         .with_context(|| format!("cannot write {}", path.display()))
+    }
+
+    /// The bytes of such a file.
+    pub fn png(&self) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.encode(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn encode(&self, out: impl Write) -> io::Result<()> {
+        // The default is fast and makes files that are hardly smaller than the pixels.
+        let encoder =
+            PngEncoder::new_with_quality(out, CompressionType::Best, FilterType::Adaptive);
+        self.0.write_with_encoder(encoder).map_err(io::Error::other)
     }
 }

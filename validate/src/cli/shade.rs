@@ -1,11 +1,12 @@
 //! What the pictures of `render` show, made of nothing but batches through our own tracer.
 
-use super::color::{hash, heat};
+use super::color::{self, hash, heat};
 use super::engine::Engine;
 use super::picture::Picture;
 use dacrt::rays::MISS;
 use dacrt::workloads::{Film, RayType, Rays, TILE, View, Workload, WorkloadError};
 use dacrt::{Batch, Hits, Mesh};
+use dacrt_validate::diff::Class;
 use glam::Vec3;
 
 /// Grey surfaces: a headlight, the point light with shadows, and a sky that shines into corners by
@@ -135,6 +136,16 @@ pub fn boxes(film: Film, batch: &Batch, engine: &mut Engine) -> (Picture, f64) {
         }
     }
     (picture, most)
+}
+
+/// The class of each ray; where both agree, a dark grey by the angle at which the surface is seen.
+pub fn diff(film: Film, mesh: &Mesh, batch: &Batch, hits: &Hits, classes: &[Class]) -> Picture {
+    let mut greys = vec![0; film.rays()];
+    flat(mesh, batch, hits, &mut greys);
+    paint(film, |ray| match classes[ray] {
+        Class::Same => [greys[ray] / 3; 3],
+        class => color::class(class),
+    })
 }
 
 /// A picture with one ray a pixel.

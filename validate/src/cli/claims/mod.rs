@@ -1,7 +1,7 @@
 //! `dacrt claims`: the papers' claims, each judged by what is measured for it.
 
 mod plan;
-mod text;
+pub mod text;
 
 use super::args::ClaimsArgs;
 use super::plan::Engine;

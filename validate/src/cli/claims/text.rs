@@ -46,6 +46,21 @@ fn of(finding: &Finding, parts: bool) -> String {
         text += &wrapped("", &format!("{}: {}", effect.name, number(effect)));
     }
     text += &wrapped("", &format!("falsified if {}", claim.falsified_if));
+    let extent = extent(finding);
+    if !extent.is_empty() {
+        text += &wrapped("", &extent);
+    }
+    if parts {
+        let rows: Vec<Vec<String>> = (finding.parts.iter())
+            .map(|part| vec![format!("       {}", part.name), number(part)])
+            .collect();
+        text += &columns(&rows, &[]);
+    }
+    text
+}
+
+/// How much was measured, and what else there is to say: `17 cameras, 10 seeds, 5 repeats, 40 batches`.
+pub fn extent(finding: &Finding) -> String {
     let mut extent = Vec::new();
     if finding.batches > 0 {
         extent.push(counted(finding.cameras as u64, "camera"));
@@ -58,20 +73,11 @@ fn of(finding: &Finding, parts: bool) -> String {
     if !finding.why.is_empty() {
         extent.push(finding.why.clone());
     }
-    if !extent.is_empty() {
-        text += &wrapped("", &extent.join(", "));
-    }
-    if parts {
-        let rows: Vec<Vec<String>> = (finding.parts.iter())
-            .map(|part| vec![format!("       {}", part.name), number(part)])
-            .collect();
-        text += &columns(&rows, &[]);
-    }
-    text
+    extent.join(", ")
 }
 
 /// `1.02 [0.98, 1.05]`
-fn number(effect: &Effect) -> String {
+pub fn number(effect: &Effect) -> String {
     let short = |x: f64| match x {
         _ if x == x.trunc() && x.abs() >= 1.0 => format!("{x:.0}"),
         _ if x.abs() >= 100.0 => format!("{x:.0}"),

@@ -1,7 +1,7 @@
 //! `dacrt paper`: what a paper prints, measured here and set beside it.
 
-mod mora;
-mod nabata;
+pub mod mora;
+pub mod nabata;
 
 use super::Verdict;
 use super::args::{Paper, PaperArgs};

@@ -1,12 +1,14 @@
 //! `dacrt plot growth`: time against the number of rays or triangles, both logarithmic.
 
-use super::{Area, Drawn, GRID, INK, PANEL, Shape, TOP, drawing, marker, style, tick, width};
+use super::drawing::{
+    Area, Drawn, GRID, INK, PANEL, Shape, TOP, drawing, marker, style, tick, width,
+};
 use dacrt_validate::growth::{Curve, Grows, Point};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Who is drawn how. Of the last one it is the trace alone.
-const SERIES: [(&str, &str, RGBColor, Shape); 6] = [
+pub const SERIES: [(&str, &str, RGBColor, Shape); 6] = [
     ("best", "best", RGBColor(0, 114, 178), Shape::Circle),
     (
         "afra2012",
@@ -44,20 +46,8 @@ const N_LOG_N: &str = "n log n";
 const GUIDE: RGBColor = RGBColor(200, 200, 200);
 
 /// A picture with a panel for each number that grows and each ray type.
-pub(super) fn draw(curves: &[Curve]) -> anyhow::Result<String> {
-    let mut panels: Vec<Vec<&Curve>> = Vec::new();
-    for curve in curves {
-        let same = |panel: &&mut Vec<&Curve>| {
-            (panel[0].grows, &panel[0].rays) == (curve.grows, &curve.rays)
-        };
-        match panels.iter_mut().find(same) {
-            Some(panel) => panel.push(curve),
-            None => panels.push(vec![curve]),
-        }
-    }
-    let times = curves.iter().flat_map(|curve| &curve.points);
-    let times: Vec<f64> = times.flat_map(|p| [p.ms, p.trace_ms]).flatten().collect();
-    let ms = range(&times);
+pub fn draw(curves: &[Curve]) -> anyhow::Result<String> {
+    let (panels, ms) = (panels(curves), milliseconds(curves));
     let down = panels.len().div_ceil(2) as i32;
     let size = ((2 * PANEL.0) as u32, (TOP + down * PANEL.1) as u32);
     drawing(size, |root| {
@@ -68,6 +58,36 @@ pub(super) fn draw(curves: &[Curve]) -> anyhow::Result<String> {
         }
         Ok(())
     })
+}
+
+/// Each panel as a picture of its own, without a legend.
+pub fn separate(curves: &[Curve]) -> anyhow::Result<Vec<String>> {
+    let ms = milliseconds(curves);
+    let size = (PANEL.0 as u32, PANEL.1 as u32);
+    let one = |panel: Vec<&Curve>| drawing(size, |root| draw_panel(root, &panel, (0, 0), ms));
+    panels(curves).into_iter().map(one).collect()
+}
+
+/// The curves of each number that grows and each ray type.
+fn panels(curves: &[Curve]) -> Vec<Vec<&Curve>> {
+    let mut panels: Vec<Vec<&Curve>> = Vec::new();
+    for curve in curves {
+        let same = |panel: &&mut Vec<&Curve>| {
+            (panel[0].grows, &panel[0].rays) == (curve.grows, &curve.rays)
+        };
+        match panels.iter_mut().find(same) {
+            Some(panel) => panel.push(curve),
+            None => panels.push(vec![curve]),
+        }
+    }
+    panels
+}
+
+/// The range of all times.
+fn milliseconds(curves: &[Curve]) -> (f64, f64) {
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    let times: Vec<f64> = points.flat_map(|p| [p.ms, p.trace_ms]).flatten().collect();
+    range(&times)
 }
 
 /// The least and the greatest, and some room.

@@ -1,6 +1,8 @@
 //! `dacrt plot nodes`: how good estimates are, and what splits cost, of the nodes of one trace.
 
-use super::{Area, Drawn, GRID, INK, PANEL, Shape, TOP, drawing, marker, style, tick, width};
+use super::drawing::{
+    Area, Drawn, GRID, INK, PANEL, Shape, TOP, drawing, marker, style, tick, width,
+};
 use dacrt_validate::nodes::Row;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};

@@ -11,7 +11,8 @@ const TECHNIQUES: [(&str, &str); 3] = [("cost", "sah"), ("order", "one-ray"), ("
 /// All combinations; a bit for each technique.
 const ALL: usize = 1 << TECHNIQUES.len();
 
-const LEGEND: &str = "
+/// What the rows mean.
+pub const LEGEND: &str = "
 How many times as fast, and how many times fewer ray/box tests (those of sample rays counted), for a
 technique: alone: it against none; last: all three against the other two; mean: over all four pairs
 that differ in it only. A pair: the gain of one where the other is there over that where it is not;
@@ -27,29 +28,48 @@ struct Factorial {
     tests: [f64; ALL],
 }
 
+/// What batches of one size have in common.
+pub struct Group {
+    /// `1024^2 rays a picture, 3 batches`.
+    pub heading: String,
+    /// The heads, then a row for each effect.
+    pub rows: Vec<Vec<String>>,
+}
+
 /// The table; none without a batch that has all combinations.
 pub fn text(cells: &[Cell]) -> Option<String> {
+    let text = |group: Group| {
+        format!(
+            "{}\n{}\n",
+            group.heading,
+            columns(&group.rows, &[1, 2, 3, 4])
+        )
+    };
+    let text: String = groups(cells).into_iter().map(text).collect();
+    (!text.is_empty()).then(|| text.trim_end().to_owned() + "\n" + LEGEND)
+}
+
+/// The same for other tables; empty without a batch that has all combinations.
+pub fn groups(cells: &[Cell]) -> Vec<Group> {
     let factorials = factorials(cells);
     let mut groups: Vec<&(u64, String)> = factorials.iter().map(|f| &f.group).collect();
     groups.sort();
     groups.dedup();
-    let mut text = String::new();
-    for group in groups {
+    let group = |group: &(u64, String)| {
         let of_group = factorials.iter().filter(|f| f.group == *group);
         let of_group: Vec<&Factorial> = of_group.collect();
         let (rays, others) = group;
-        let heading = format!("{}^2 rays a picture", rays.isqrt());
-        let heading = [heading.as_str(), others].join(" ");
-        let batches = of_group.len();
-        text += &format!("{}, {batches} batches\n", heading.trim_end());
-        text += &table(&of_group);
-        text += "\n";
-    }
-    (!text.is_empty()).then(|| text.trim_end().to_owned() + "\n" + LEGEND)
+        let heading = format!("{}^2 rays a picture {others}", rays.isqrt());
+        Group {
+            heading: format!("{}, {} batches", heading.trim_end(), of_group.len()),
+            rows: rows(&of_group),
+        }
+    };
+    groups.into_iter().map(group).collect()
 }
 
 /// The rows of one group.
-fn table(of_group: &[&Factorial]) -> String {
+fn rows(of_group: &[&Factorial]) -> Vec<Vec<String>> {
     let head = ["", "time", "[least, most]", "box tests", "[least, most]"].map(str::to_owned);
     let mut rows = vec![head.to_vec()];
     let mut row = |name: String, effect: &dyn Fn(&[f64; ALL]) -> f64| {
@@ -81,7 +101,7 @@ fn table(of_group: &[&Factorial]) -> String {
         row(name, &|of| interaction(of, i, j));
     }
     row("all three".to_owned(), &|of| of[0] / of[ALL - 1]);
-    columns(&rows, &[1, 2, 3, 4])
+    rows
 }
 
 /// The gain of technique `i`, whatever the others are: the geometric mean.
@@ -207,7 +227,7 @@ mod tests {
             times: made_up(),
             tests: [1.0; ALL],
         };
-        let text = table(&[&factorial]);
+        let text = columns(&rows(&[&factorial]), &[1, 2, 3, 4]);
         let time = |name: &str| {
             let line = text.lines().find(|line| line.starts_with(name)).unwrap();
             line[name.len()..]

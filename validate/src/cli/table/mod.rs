@@ -1,6 +1,6 @@
 //! `dacrt table`: a result file for people, or as CSV.
 
-mod ablation;
+pub mod ablation;
 mod csv;
 mod errors;
 mod lines;

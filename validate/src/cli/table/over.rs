@@ -122,16 +122,8 @@ fn methods(document: &Document) -> Option<String> {
 
 /// One column for each method, the acceleration ratios of its cells with default parameters.
 fn methods_of(cells: &[&Cell], precision: Precision) -> Option<String> {
-    let is_preset = |cell: &&&Cell| {
-        Method::from_str(&cell.key.method).is_ok_and(|method| {
-            let key = CellKey {
-                parameters: own_fields(method, &method.parameters()),
-                ..cell.key.clone()
-            };
-            key.is(&cell.key)
-        })
-    };
-    let cells: Vec<&Cell> = cells.iter().filter(is_preset).copied().collect();
+    let presets = cells.iter().filter(|cell| cell.key.is_preset());
+    let cells: Vec<&Cell> = presets.copied().collect();
     let mut names: Vec<String> = Vec::new();
     for cell in &cells {
         if !names.contains(&cell.key.method) && cell.key.method != "afra2012" {

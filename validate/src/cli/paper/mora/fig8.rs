@@ -170,6 +170,39 @@ impl Figure {
         !self.scenes.iter().any(whole)
     }
 
+    /// For each scene what cones save in box tests and in time, ray/box tests a ray without them, and
+    /// triangles a pixel.
+    pub fn cuts(&self) -> Vec<Vec<String>> {
+        let [width, height] = self.size.map(f64::from);
+        let row = |scene: &Scene| {
+            let ([basic, cones], [_]) = (&scene.primary[..], &scene.light[..]) else {
+                return vec![scene.name.clone(), "not measured".to_owned()];
+            };
+            let time = (basic.samples_ms.as_ref().zip(cones.samples_ms.as_ref()))
+                .and_then(|(basic, cones)| paired_ratio(basic, cones));
+            let triangles = basic.triangles as f64 / (width * height);
+            let rays = basic.ray_count as f64;
+            let (basic, cones) = (Work::of(basic), Work::of(cones));
+            vec![
+                scene.name.clone(),
+                short(basic.box_tests() / cones.box_tests()),
+                time.map_or("-".to_owned(), |time| interval(&time)),
+                short(basic.counts[RAY_BOX] / rays),
+                short(triangles),
+            ]
+        };
+        self.scenes.iter().map(row).collect()
+    }
+
+    /// The same in print, from the least to the greatest.
+    pub fn printed_cuts() -> Vec<String> {
+        let printed = [CUT_IN_TESTS, CUT_IN_TIME, RAY_BOX_A_RAY, TRIANGLES_A_PIXEL];
+        let ranges = printed.into_iter().map(range);
+        std::iter::once("Mora 2011".to_owned())
+            .chain(ranges)
+            .collect()
+    }
+
     /// The figure for people, 100 columns at most; `missing` are scenes without a mesh.
     pub fn text(&self, missing: &[String]) -> String {
         let [width, height] = self.size;
@@ -188,16 +221,12 @@ impl Figure {
                 "a pixel",
             ]),
         ];
+        cuts.extend(self.cuts());
         for scene in &self.scenes {
             let ([basic, cones], [light]) = (&scene.primary[..], &scene.light[..]) else {
                 work.push(row(&[&scene.name, "not measured"]));
-                cuts.push(row(&[&scene.name, "not measured"]));
                 continue;
             };
-            let time = (basic.samples_ms.as_ref().zip(cones.samples_ms.as_ref()))
-                .and_then(|(basic, cones)| paired_ratio(basic, cones));
-            let triangles = basic.triangles as f64 / (f64::from(width) * f64::from(height));
-            let rays = basic.ray_count as f64;
             let (basic, cones, light) = (Work::of(basic), Work::of(cones), Work::of(light));
             let lines = [
                 ("basic", basic),
@@ -211,13 +240,6 @@ impl Figure {
                 let counts = done.counts.map(short);
                 work.push([row(&[scene, name, &fps, &shaded]), counts.to_vec()].concat());
             }
-            cuts.push(row(&[
-                &scene.name,
-                &short(basic.box_tests() / cones.box_tests()),
-                &time.map_or("-".to_owned(), |time| interval(&time)),
-                &short(basic.counts[RAY_BOX] / rays),
-                &short(triangles),
-            ]));
         }
         for scene in missing {
             work.push(row(&[scene, "no mesh"]));
@@ -236,13 +258,7 @@ impl Figure {
             let fps = range(printed.fps);
             print.push([row(&[scene, name, &fps]), counts.to_vec()].concat());
         }
-        cuts.push(row(&[
-            "Mora 2011",
-            &range(CUT_IN_TESTS),
-            &range(CUT_IN_TIME),
-            &range(RAY_BOX_A_RAY),
-            &range(TRIANGLES_A_PIXEL),
-        ]));
+        cuts.push(Figure::printed_cuts());
         format!(
             "Fig. 8: rays in conic packets; {} x {} pixels (Mora 2011: 1280 x 800)\n\n{}\n{}\n{}{NOTES}",
             width,

@@ -1,6 +1,6 @@
 //! `dacrt paper mora2011`: Figs. 6, 8, 10 and 14.
 
-mod fig8;
+pub mod fig8;
 mod frames;
 mod paths;
 

@@ -3,7 +3,7 @@
 
 mod image;
 mod printed;
-mod text;
+pub mod text;
 mod trend;
 
 use crate::cli::Verdict;

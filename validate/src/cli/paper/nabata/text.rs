@@ -127,15 +127,53 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// All tables; none if no picture of a column is whole.
-pub fn text(cells: &[Cell]) -> Option<String> {
+/// The cells of pictures, of the size and precision of the first, and the side of the pictures.
+fn of_pictures(cells: &[Cell]) -> Option<(Vec<&Cell>, u32)> {
     let known = |cell: &&Cell| COLUMNS.iter().any(|column| column.has(&cell.key));
     let first = &cells.iter().find(known)?.key;
     let [side, _] = first.resolution;
     let like_first = |cell: &&Cell| {
         (cell.key.resolution, &cell.key.precision) == (first.resolution, &first.precision)
     };
-    let cells: Vec<&Cell> = cells.iter().filter(known).filter(like_first).collect();
+    let cells = cells.iter().filter(known).filter(like_first).collect();
+    Some((cells, side))
+}
+
+/// The heads of [`ratios`].
+pub const RATIO_HEADS: [&str; 6] = [
+    "picture",
+    "size",
+    "paper",
+    "here [95 %]",
+    "5 to 95 % of cameras",
+    "paper is",
+];
+
+/// A row for each picture: its acceleration ratio in print, here, and over cameras; empty if no picture
+/// of a column is whole.
+pub fn ratios(cells: &[Cell]) -> Vec<Vec<String>> {
+    let Some((cells, side)) = of_pictures(cells) else {
+        return Vec::new();
+    };
+    let of_column = |column| {
+        let rows = Measured::of(column, &cells)?.rows(side).into_iter();
+        let entries = rows.map(|row| [0, 2, 4, 7, 8].map(|i| row[i].clone()));
+        Some(
+            entries
+                .map(|entries| [&[column.name()], &entries[..]].concat())
+                .collect(),
+        )
+    };
+    COLUMNS
+        .iter()
+        .filter_map(of_column)
+        .collect::<Vec<Vec<_>>>()
+        .concat()
+}
+
+/// All tables; none if no picture of a column is whole.
+pub fn text(cells: &[Cell]) -> Option<String> {
+    let (cells, side) = of_pictures(cells)?;
     let measured: Vec<Option<Measured>> = (COLUMNS.iter())
         .map(|column| Measured::of(column, &cells))
         .collect();
