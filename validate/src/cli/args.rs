@@ -438,7 +438,7 @@ papers, claims with their verdicts, hard cases, all cells in a table that can be
 filtered, and where each file comes from. What the files do not have is not there.
 
 Files are those of `dacrt run`, `sweep`, `merge`, `paper`, `bench growth`, `hard` and `claims`
-(claims.json and the rest), of one machine or of several: no ratio is made of two files. The same
+(claims.json and *.json.gz), of one machine or of several: no ratio is made of two files. The same
 files give the same bytes.
 
 The view of the table stands in the address of the page, as it does in links such as

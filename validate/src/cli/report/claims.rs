@@ -4,6 +4,7 @@ use super::Section;
 use super::file::{Content, File};
 use super::words::{by_file, text_table};
 use crate::cli::claims::text::{extent, number};
+use crate::cli::text::counted;
 use dacrt_validate::claims::{Finding, Verdict};
 use maud::{Markup, html};
 
@@ -60,7 +61,7 @@ fn of(finding: &Finding) -> Markup {
             @if let Some(effect) = &finding.effect { p { (effect.name) ": " b { (number(effect)) } } }
             p.small { "Falsified if " (claim.falsified_if) ". " (extent(finding)) }
             @if !parts.is_empty() {
-                details { summary { (parts.len()) " numbers" } (text_table(&["", ""], &[1], &parts)) }
+                details { summary { (counted(parts.len() as u64, "number")) } (text_table(&["", ""], &[1], &parts)) }
             }
         }
     }
