@@ -5,10 +5,10 @@ use super::{Parameters, best, object, space};
 /// Memory for traces of up to a number of rays and triangles; reused from trace to trace. A trace
 /// allocates nothing beyond it.
 ///
-/// Methods of one family share a workspace. [`Workspace::bytes`] is 104 a ray + 64 a triangle + a
+/// Methods of one family share a workspace. [`Workspace::bytes`] is 160 a ray + 64 a triangle + a
 /// constant of about 0.72 MB where lists of triangles are split, and 55⅝ a ray + 44 a triangle +
 /// about 0.75 kB where space is split (exactly: see [`Workspace::bytes_for`]). That of `best` is 271 a
-/// triangle, 38 a ray for up to 1,048,576 rays, and for each thread 219 a ray for up to 262,144 rays, and
+/// triangle, 38 a ray for up to 1,048,576 rays, and for each thread 191 a ray for up to 262,144 rays, and
 /// 0.75 MB; threads themselves, started with it, are not counted.
 pub struct Workspace {
     memory: Memory,
@@ -91,7 +91,7 @@ impl Workspace {
     /// Bytes that a workspace for these parameters, so many rays and triangles and so many threads, at
     /// least 1, takes.
     ///
-    /// Where lists of triangles are split: 84 a ray, with the rays rounded up to a multiple of 16,
+    /// Where lists of triangles are split: 140 a ray, with the rays rounded up to a multiple of 16,
     /// + 20 a ray + 64 a triangle + what it is for none.
     ///
     /// Where space is split: 44 a triangle, as in Mora 2011, section 3.5 (36 of coordinates, 4 of
@@ -102,7 +102,7 @@ impl Workspace {
     ///
     /// For `best`: 262 a triangle (64 of items, 80 of prepared triangles, 96 of nodes, 4 of cells and 18 of
     /// clusters) and 9 for each thread; a window of as many rays as there are, but at most 1,048,576: 38 a ray;
-    /// and for each thread a block of as many as there are, but at most 262,144: 219 a ray.
+    /// and for each thread a block of as many as there are, but at most 262,144: 191 a ray.
     pub fn bytes_for(
         parameters: &Parameters,
         rays: usize,

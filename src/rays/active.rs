@@ -1,17 +1,18 @@
 //! Lists of active rays: whole records (inverse direction, origin, id) in seven streams, so that
 //! filtering reads and writes memory in order.
 //!
-//! The root list takes the first n places. A filter that keeps few rays copies them behind the
-//! lists of its ancestors; one that keeps many partitions its parent's list in place, kept rays
-//! first. There is room for 2n records and a constant; a list that might not fit is partitioned in
-//! place, so memory stays linear whatever the rays do.
+//! The root list takes the first n places. A filter that keeps up to three quarters of its rays
+//! copies them behind the lists of its ancestors; one that keeps more partitions its parent's list
+//! in place, kept rays first. So lists take n + 3/4 n + 9/16 n + …, and there is room for 4n records
+//! and a constant; a list that might not fit is partitioned in place, so memory stays linear
+//! whatever the rays do.
 
 use crate::room;
 use crate::simd::MAX_LANES;
 
 /// Streams of floats or integers that a record is spread over.
 const STREAMS: usize = 7;
-/// Records beyond 2n: alignment of list starts, and room to copy lists of any small batch.
+/// Records beyond 4n: alignment of list starts, and room to copy lists of any small batch.
 const SLACK: usize = 16_384;
 /// Distance of the streams beyond their length, so that equal places do not share a cache set.
 const STAGGER: usize = 9 * MAX_LANES;
@@ -41,7 +42,7 @@ pub(crate) struct ActiveRays {
 impl ActiveRays {
     /// Records that lists may use in all, for a batch of `rays`.
     pub fn capacity(rays: usize) -> usize {
-        2 * rays.next_multiple_of(MAX_LANES) + SLACK
+        4 * rays.next_multiple_of(MAX_LANES) + SLACK
     }
 
     fn scratch_capacity(rays: usize) -> usize {
@@ -52,7 +53,7 @@ impl ActiveRays {
         (records + STAGGER).next_multiple_of(MAX_LANES)
     }
 
-    /// Bytes for a batch of `rays`: 84 a ray and a constant.
+    /// Bytes for a batch of `rays`: 140 a ray and a constant.
     pub fn bytes(rays: usize) -> usize {
         let floats =
             Self::stream_len(Self::capacity(rays)) + Self::stream_len(Self::scratch_capacity(rays));

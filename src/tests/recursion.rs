@@ -174,9 +174,9 @@ fn a_workspace_serves_smaller_batches_and_meshes() {
     }
 }
 
-/// Records that lists may use, as the workspace's memory has them: 2n and a constant.
+/// Records that lists may use, as the workspace's memory has them: 4n and a constant.
 fn capacity(rays: usize) -> u64 {
-    2 * rays.next_multiple_of(16) as u64 + 16_384
+    4 * rays.next_multiple_of(16) as u64 + 16_384
 }
 
 #[test]

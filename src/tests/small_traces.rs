@@ -120,7 +120,7 @@ fn every_kind_of_batch() {
 #[test]
 #[cfg_attr(miri, ignore = "too slow; the tests of the filter have it in small")]
 fn long_lists_kept_in_place() {
-    // More than 1,024 rays of which a filter keeps more than half, and a last vector that is not full.
+    // More than 1,024 rays of which a filter keeps more than three quarters, and a last vector that is not full.
     for shared in [false, true] {
         let batch: Batch = (0..3003)
             .map(|i| {

@@ -145,7 +145,7 @@ impl Worker {
         let block = block(rays);
         let len = block + MAX_LANES;
         Worker {
-            active: ActiveRays::new(2 * block),
+            active: ActiveRays::new(block),
             directions: room([0.0; 4], len),
             ordered: room(0.0, ORDERED * len),
             t: room(0.0, len),
@@ -164,7 +164,7 @@ impl Worker {
         let block = block(rays);
         let len = block + MAX_LANES;
         size_of::<Worker>()
-            + ActiveRays::bytes(2 * block)
+            + ActiveRays::bytes(block)
             + len * (size_of::<[f32; 4]>() + (ORDERED + 4) * size_of::<f32>())
             + Groups::STREAMS * Self::bounds_len(block) * size_of::<f32>()
             + (Self::entries(block) + Self::ray_entries(block)) * size_of::<Entry>()

@@ -135,7 +135,7 @@ impl Divide<'_> {
                 Lists::Auto => {
                     let (kept, probed) = self.count(active, bounds, PROBE_STRIDE);
                     self.counters.ray_box += probed as u64;
-                    2 * kept <= probed
+                    4 * kept <= 3 * probed
                 }
             };
         self.note_filter(active, self.counters.ray_box - before);
