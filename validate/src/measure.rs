@@ -1,7 +1,11 @@
 //! Interleaved timing: contestants take turns, so that a slow spell of the machine hits them all.
 
+use fastrand::Rng;
+
 /// Runs `contestants` in turn: one warm-up round whose times are thrown away, then `repeats`
-/// rounds A B C A B C. Returns all samples of each contestant, in milliseconds, in round order.
+/// rounds, each in another order, for who runs after a contestant that leaves the caches or the
+/// clock in a bad state is slower. Returns all samples of each contestant, in milliseconds, in round
+/// order.
 ///
 /// `run(i)` runs contestant `i` and returns the milliseconds that count. After the first measured
 /// round `give_up` sees the samples so far and may name contestants that run no more; they keep
@@ -15,11 +19,14 @@ pub fn interleave<E>(
     let mut samples = vec![Vec::with_capacity(repeats); contestants];
     let mut active = vec![true; contestants];
     let mut give_up = Some(give_up);
-    for i in 0..contestants {
+    let mut order: Vec<usize> = (0..contestants).collect();
+    let mut random = Rng::with_seed(contestants as u64);
+    for &i in &order {
         run(i)?;
     }
     for round in 0..repeats {
-        for i in (0..contestants).filter(|&i| active[i]) {
+        random.shuffle(&mut order);
+        for &i in order.iter().filter(|&&i| active[i]) {
             samples[i].push(run(i)?);
         }
         if round == 0 {
@@ -48,7 +55,7 @@ mod tests {
         let mut order = Vec::new();
         let samples = interleave::<Infallible>(
             3,
-            2,
+            9,
             |i| {
                 order.push(i);
                 Ok(order.len() as f64)
@@ -56,8 +63,20 @@ mod tests {
             |_| vec![],
         )
         .unwrap();
-        assert_eq!(order, [0, 1, 2, 0, 1, 2, 0, 1, 2]);
-        assert_eq!(samples, [[4.0, 7.0], [5.0, 8.0], [6.0, 9.0]]);
+        let mut rounds: Vec<Vec<usize>> = order.chunks(3).map(<[usize]>::to_vec).collect();
+        assert_eq!(rounds.len(), 10);
+        for (i, samples) in samples.iter().enumerate() {
+            let when = (3..order.len()).filter(|&at| order[at] == i);
+            let when: Vec<f64> = when.map(|at| (at + 1) as f64).collect();
+            assert_eq!(*samples, when);
+        }
+        rounds.sort();
+        rounds.dedup();
+        assert!(rounds.len() > 2, "always in the same order: {rounds:?}");
+        for mut round in rounds {
+            round.sort();
+            assert_eq!(round, [0, 1, 2]);
+        }
     }
 
     #[test]
