@@ -224,14 +224,19 @@ impl CellKey {
         (&self.scene, &self.camera, size.0, size.1, &self.rays)
     }
 
-    /// Whether both name the same cell. The variant does not count: method and rays decide it, but
+    /// The parameters that are somebody's choice: all but the variant, which method and rays decide;
     /// only the trace shows whether the rays share an origin.
-    pub fn is<'a>(&'a self, other: &'a CellKey) -> bool {
-        let parameters =
-            |key: &'a CellKey| key.parameters.iter().filter(|(name, _)| *name != "variant");
+    pub fn choices(&self) -> impl Iterator<Item = (&String, &Value)> {
+        self.parameters
+            .iter()
+            .filter(|(name, _)| *name != "variant")
+    }
+
+    /// Whether both name the same cell: the same batch, method, precision and choices.
+    pub fn is(&self, other: &CellKey) -> bool {
         self.batch() == other.batch()
             && (&self.method, &self.precision) == (&other.method, &other.precision)
-            && parameters(self).eq(parameters(other))
+            && self.choices().eq(other.choices())
     }
 }
 
@@ -555,9 +560,9 @@ impl Document {
             let Some(b) = self.cells[..i].iter().find(of_method) else {
                 continue;
             };
-            for (name, value) in &a.key.parameters {
+            for (name, value) in a.key.choices() {
                 let differs = b.key.parameters.get(name).is_some_and(|v| v != value);
-                if differs && name != "variant" && !names.contains(name) {
+                if differs && !names.contains(name) {
                     names.push(name.clone());
                 }
             }

@@ -55,13 +55,11 @@ impl Who {
     }
 
     fn is(&self, cell: &Cell) -> bool {
-        let without_variant = |all: &Map<String, Value>| {
-            let mut all = all.clone();
-            all.remove("variant");
-            all
-        };
-        cell.key.method == self.method.name()
-            && without_variant(&cell.key.parameters) == without_variant(&self.parameters)
+        let own = self
+            .parameters
+            .iter()
+            .filter(|(name, _)| *name != "variant");
+        cell.key.method == self.method.name() && cell.key.choices().eq(own)
     }
 }
 

@@ -86,11 +86,9 @@ pub(super) fn group(key: &CellKey) -> Group<'_> {
     (key.batch(), &key.method)
 }
 
-/// Parameters and precision; the variant is no choice (see [`CellKey::is`]).
+/// Choices and precision.
 fn values(key: &CellKey) -> BTreeMap<String, Value> {
-    let parameters = key.parameters.iter();
-    let parameters = parameters.filter(|(name, _)| *name != "variant");
-    parameters
+    key.choices()
         .map(|(name, value)| (name.clone(), value.clone()))
         .chain([("precision".to_owned(), key.precision.as_str().into())])
         .collect()

@@ -219,7 +219,7 @@ fn in_range(index: usize, rays: usize) -> anyhow::Result<()> {
 fn parameters(method: Method, key: &CellKey) -> anyhow::Result<Parameters> {
     let preset = method.parameters();
     let mut values = fields(&preset);
-    let own = key.parameters.iter().filter(|(name, _)| *name != "variant");
+    let own = key.choices();
     values.extend(own.map(|(name, value)| (name.clone(), value.clone())));
     let values = serde_json::Value::Object(values);
     let parameters = match preset {

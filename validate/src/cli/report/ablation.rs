@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::file::File;
-use super::words::{by_file, text_table};
+use super::words::text_table;
 use crate::cli::table::ablation::{LEGEND, groups};
 use maud::html;
 
@@ -25,13 +25,6 @@ pub fn section(files: &[File]) -> Option<Section> {
         };
         parts.push((file.name.as_str(), body));
     }
-    if parts.is_empty() {
-        return None;
-    }
-    let body = html! { p { (LEGEND.trim()) } (by_file(parts)) };
-    Some(Section {
-        id: "ablation",
-        title: "Ablation of ray sampling",
-        body,
-    })
+    let introduction = html! { p { (LEGEND.trim()) } };
+    Section::by_file("ablation", "Ablation of ray sampling", introduction, parts)
 }

@@ -47,79 +47,72 @@ struct Context<'a> {
 }
 
 const COLUMNS: [Column; 20] = [
-    text("scene", "scene", |cell, _| cell.key.scene.as_str().into()),
-    text("camera", "camera", |cell, _| {
+    column("scene", "scene", Kind::Text, |cell, _| {
+        cell.key.scene.as_str().into()
+    }),
+    column("camera", "camera", Kind::Text, |cell, _| {
         cell.key.camera.as_str().into()
     }),
-    text("size", "size", |cell, _| size(&cell.key).into()),
-    text("rays", "rays", |cell, _| cell.key.rays.as_str().into()),
-    text("method", "method", |cell, _| {
+    column("size", "size", Kind::Text, |cell, _| size(&cell.key).into()),
+    column("rays", "rays", Kind::Text, |cell, _| {
+        cell.key.rays.as_str().into()
+    }),
+    column("method", "method", Kind::Text, |cell, _| {
         cell.key.method.as_str().into()
     }),
-    text("precision", "precision", |cell, _| {
+    column("precision", "precision", Kind::Text, |cell, _| {
         cell.key.precision.as_str().into()
     }),
-    text("parameters", "parameters", |cell, context| {
+    column("parameters", "parameters", Kind::Text, |cell, context| {
         parameters(cell, context.varied).into()
     }),
-    number("count", "number of rays", |cell, _| cell.ray_count.into()),
-    number("ms", "ms", |cell, _| rounded(cell.median_ms)),
-    number("mrays", "Mrays/s", |cell, _| rounded(cell.mrays_per_s)),
-    ratio("afra", "vs afra2012", |cell, _| {
+    column("count", "number of rays", Kind::Number, |cell, _| {
+        cell.ray_count.into()
+    }),
+    column("ms", "ms", Kind::Number, |cell, _| rounded(cell.median_ms)),
+    column("mrays", "Mrays/s", Kind::Number, |cell, _| {
+        rounded(cell.mrays_per_s)
+    }),
+    column("afra", "vs afra2012", Kind::Ratio, |cell, _| {
         of_ratio(acceleration(cell))
     }),
-    ratio("total", "vs Embree, total", |cell, _| {
+    column("total", "vs Embree, total", Kind::Ratio, |cell, _| {
         of_ratio(embree_total(cell))
     }),
-    ratio("trace", "vs Embree, trace", |cell, _| {
+    column("trace", "vs Embree, trace", Kind::Ratio, |cell, _| {
         of_ratio(embree_trace(cell))
     }),
-    number("boxes", "ray/box a ray", |cell, _| {
+    column("boxes", "ray/box a ray", Kind::Number, |cell, _| {
         a_ray(cell, &["ray_box", "sample_box"])
     }),
-    number("triangles", "ray/tri. a ray", |cell, _| {
+    column("triangles", "ray/tri. a ray", Kind::Number, |cell, _| {
         a_ray(cell, &["ray_triangle"])
     }),
-    number("wrong", "wrong rays", |cell, _| cell.diff.wrong().into()),
-    number("differ", "Embree differs", |cell, _| {
+    column("wrong", "wrong rays", Kind::Number, |cell, _| {
+        cell.diff.wrong().into()
+    }),
+    column("differ", "Embree differs", Kind::Number, |cell, _| {
         cell.diff.differing.into()
     }),
-    number("errors", "errors/million", |cell, _| errors(cell)),
-    number("threads", "threads", |cell, _| cell.threads().into()),
-    text("file", "file", |_, context| context.file.into()),
+    column("errors", "errors/million", Kind::Number, |cell, _| {
+        errors(cell)
+    }),
+    column("threads", "threads", Kind::Number, |cell, _| {
+        cell.threads().into()
+    }),
+    column("file", "file", Kind::Text, |_, context| context.file.into()),
 ];
 
-const fn text(name: &'static str, title: &'static str, of: fn(&Cell, &Context) -> Value) -> Column {
-    Column {
-        name,
-        title,
-        kind: Kind::Text,
-        of,
-    }
-}
-
-const fn number(
+const fn column(
     name: &'static str,
     title: &'static str,
+    kind: Kind,
     of: fn(&Cell, &Context) -> Value,
 ) -> Column {
     Column {
         name,
         title,
-        kind: Kind::Number,
-        of,
-    }
-}
-
-const fn ratio(
-    name: &'static str,
-    title: &'static str,
-    of: fn(&Cell, &Context) -> Value,
-) -> Column {
-    Column {
-        name,
-        title,
-        kind: Kind::Ratio,
+        kind,
         of,
     }
 }
@@ -183,13 +176,14 @@ fn rows(file: &File) -> Vec<Vec<Value>> {
 
 /// The parameters that have more than one value among the cells of a method.
 fn varied(cells: &[Cell]) -> Vec<&String> {
-    let names = distinct(cells.iter().flat_map(|cell| cell.key.parameters.keys()));
+    let choices = cells.iter().flat_map(|cell| cell.key.choices());
+    let names = distinct(choices.map(|(name, _)| name));
     let methods = distinct(cells.iter().map(|cell| &cell.key.method));
     let varies = |name: &&String, method: &String| {
         let of_method = cells.iter().filter(|cell| cell.key.method == *method);
         distinct(of_method.map(|cell| cell.key.parameters.get(*name))).len() > 1
     };
-    let is_varied = |name: &&String| *name != "variant" && methods.iter().any(|m| varies(name, m));
+    let is_varied = |name: &&String| methods.iter().any(|m| varies(name, m));
     names.into_iter().filter(is_varied).collect()
 }
 

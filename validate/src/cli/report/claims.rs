@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::file::{Content, File};
-use super::words::{by_file, text_table};
+use super::words::text_table;
 use crate::cli::claims::text::{extent, number};
 use crate::cli::text::counted;
 use dacrt_validate::claims::{Finding, Verdict};
@@ -17,21 +17,13 @@ pub fn section(files: &[File]) -> Option<Section> {
     let parts: Vec<(&str, Markup)> = (files.iter())
         .filter_map(|file| Some((file.name.as_str(), of(file)?)))
         .collect();
-    if parts.is_empty() {
-        return None;
-    }
-    let body = html! {
+    let introduction = html! {
         p {
             "Contradicted: the whole 95 % interval is where the claim is falsified; supported: none of it is; \
              undecided: some of it. Limits were fixed before the runs."
         }
-        (by_file(parts))
     };
-    Some(Section {
-        id: "claims",
-        title: "The papers' claims",
-        body,
-    })
+    Section::by_file("claims", "The papers' claims", introduction, parts)
 }
 
 fn findings(all: &[Finding]) -> Markup {

@@ -2,9 +2,7 @@
 
 use super::Section;
 use super::file::File;
-use super::words::{
-    batch_name, by_file, distinct, embree_total, embree_trace, legend_of, look, plots,
-};
+use super::words::{batch_name, distinct, embree_total, embree_trace, legend_of, look, plots};
 use crate::cli::plot::dots::{Dot, Row, panel};
 use dacrt_validate::results::{Cell, CellKey};
 use dacrt_validate::statistics::{Ratio, geometric_mean};
@@ -39,10 +37,7 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
         ];
         parts.push((file.name.as_str(), plots(panels)));
     }
-    if parts.is_empty() {
-        return Ok(None);
-    }
-    let body = html! {
+    let introduction = html! {
         p {
             "Right of the line at 1 we are faster. Embree is the best of its builds and queries on the same \
              rays in the same run, with its build on the left, without on the right; ours always builds. \
@@ -50,13 +45,13 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
              means, and lines go from the least to the greatest."
         }
         (legend_of(&methods))
-        (by_file(parts))
     };
-    Ok(Some(Section {
-        id: "embree",
-        title: "Ratio to Embree",
-        body,
-    }))
+    Ok(Section::by_file(
+        "embree",
+        "Ratio to Embree",
+        introduction,
+        parts,
+    ))
 }
 
 /// Names rows: batches if these are few, else scenes with ray types, or scenes.

@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::file::{Content, File};
-use super::words::{by_file, legend, plots};
+use super::words::{legend, plots};
 use crate::cli::plot::growth::{SERIES, separate};
 use maud::html;
 
@@ -26,23 +26,20 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
         };
         parts.push((file.name.as_str(), body));
     }
-    if parts.is_empty() {
-        return Ok(None);
-    }
     let looks = SERIES
         .iter()
         .map(|&(_, name, color, shape)| (name, color, shape));
-    let body = html! {
+    let introduction = html! {
         p {
             "Both axes are logarithmic: a straight line is a power of the number. The grey line is n log n \
              through the last point of best; what is steeper grows faster."
         }
         (legend(looks))
-        (by_file(parts))
     };
-    Ok(Some(Section {
-        id: "growth",
-        title: "How time grows",
-        body,
-    }))
+    Ok(Section::by_file(
+        "growth",
+        "How time grows",
+        introduction,
+        parts,
+    ))
 }

@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::file::{Content, File};
-use super::words::{by_file, distinct, table};
+use super::words::{distinct, table};
 use crate::cli::text::{counted, thousands};
 use dacrt_validate::hard::{Document, FamilyResult};
 use maud::{Markup, html};
@@ -16,22 +16,14 @@ pub fn section(files: &[File]) -> Option<Section> {
     let parts: Vec<(&str, Markup)> = (files.iter())
         .filter_map(|file| Some((file.name.as_str(), of(file)?)))
         .collect();
-    if parts.is_empty() {
-        return None;
-    }
-    let body = html! {
+    let introduction = html! {
         p {
             "Rays per million whose answer is not that of exact arithmetic (lost, false and wrong together); \
              in brackets those that no rounding within the proven bounds explains. Families with findings \
              come first."
         }
-        (by_file(parts))
     };
-    Some(Section {
-        id: "hard",
-        title: "Hard cases",
-        body,
-    })
+    Section::by_file("hard", "Hard cases", introduction, parts)
 }
 
 fn families(document: &Document) -> Markup {

@@ -24,7 +24,7 @@ use super::text::{counted, print};
 use anyhow::Context;
 use dacrt_validate::atomic;
 use file::{File, read};
-use maud::Markup;
+use maud::{Markup, html};
 use std::io::Write;
 
 /// A part of the page with a heading of its own.
@@ -33,6 +33,22 @@ struct Section {
     id: &'static str,
     title: &'static str,
     body: Markup,
+}
+
+impl Section {
+    /// What there is of each file, below an introduction; none if there is nothing.
+    fn by_file(
+        id: &'static str,
+        title: &'static str,
+        introduction: Markup,
+        parts: Vec<(&str, Markup)>,
+    ) -> Option<Section> {
+        if parts.is_empty() {
+            return None;
+        }
+        let body = html! { (introduction) (words::by_file(parts)) };
+        Some(Section { id, title, body })
+    }
 }
 
 /// Reads the files, makes the page and writes it; says how large it is.

@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::file::File;
-use super::words::{by_file, text_table};
+use super::words::text_table;
 use crate::cli::paper::mora::fig8::Figure;
 use crate::cli::paper::nabata::text::{RATIO_HEADS, ratios};
 use dacrt_validate::results::{Cell, Document};
@@ -17,21 +17,13 @@ pub fn section(files: &[File]) -> Option<Section> {
     let parts: Vec<(&str, Markup)> = of_papers
         .filter_map(|(file, document)| Some((file.name.as_str(), tables(&document.cells)?)))
         .collect();
-    if parts.is_empty() {
-        return None;
-    }
-    let body = html! {
+    let introduction = html! {
         p {
             "Processors, cameras and some scenes are not those of the papers, so ratios can be held against \
              each other, times cannot."
         }
-        (by_file(parts))
     };
-    Some(Section {
-        id: "papers",
-        title: "The papers' figures",
-        body,
-    })
+    Section::by_file("papers", "The papers' figures", introduction, parts)
 }
 
 /// Whether it or a piece of it is of `dacrt paper`.

@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::file::File;
-use super::words::{by_file, camera_rays, camera_rays_in_words, distinct, legend_of, look, plots};
+use super::words::{camera_rays, camera_rays_in_words, distinct, legend_of, look, plots};
 use crate::cli::plot::axes::Axis;
 use crate::cli::plot::lines::{Line, panel};
 use dacrt_validate::results::{Cell, CellKey};
@@ -84,15 +84,8 @@ impl View {
                 parts.push((file.name.as_str(), plots(svgs)));
             }
         }
-        if parts.is_empty() {
-            return Ok(None);
-        }
-        let body = html! { p { (READING) } (legend_of(&methods)) (by_file(parts)) };
-        Ok(Some(Section {
-            id: self.id,
-            title: self.title,
-            body,
-        }))
+        let introduction = html! { p { (READING) } (legend_of(&methods)) };
+        Ok(Section::by_file(self.id, self.title, introduction, parts))
     }
 
     /// A curve for all cells that differ in x only; those with one point are none.

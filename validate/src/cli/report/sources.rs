@@ -91,9 +91,9 @@ fn constant_parameters(cells: &[Cell]) -> Vec<(&str, String)> {
                 .filter(|key| key.method == method)
         };
         let first = keys().next()?;
-        let same = first.parameters.iter().filter(|(name, value)| {
-            *name != "variant" && keys().all(|key| key.parameters.get(*name) == Some(*value))
-        });
+        let same = first
+            .choices()
+            .filter(|&(name, value)| keys().all(|key| key.parameters.get(name) == Some(value)));
         let values = same.map(|(name, value)| format!("{name}={}", plain(value)));
         Some((method, values.collect::<Vec<_>>().join(" ")))
     };

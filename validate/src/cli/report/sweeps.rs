@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::file::File;
-use super::words::{by_file, distinct, legend_of, look, plots};
+use super::words::{distinct, legend_of, look, plots};
 use crate::cli::knobs::plain;
 use crate::cli::plot::axes::Axis;
 use crate::cli::plot::heat_map;
@@ -22,23 +22,15 @@ pub fn section(files: &[File]) -> anyhow::Result<Option<Section>> {
             parts.push((file.name.as_str(), of_file(&sweeps)?));
         }
     }
-    if parts.is_empty() {
-        return Ok(None);
-    }
-    let body = html! {
+    let introduction = html! {
         p {
             "Time over the best time of the same method on the same batch; 1 is the best value there is. \
              Curves: pale each batch, bold the geometric mean over batches; where more than two parameters \
              vary, the others are the same for all values, or at their best for each. Heat maps: geometric means over batches."
         }
         (legend_of(&methods))
-        (by_file(parts))
     };
-    Ok(Some(Section {
-        id: "sweeps",
-        title: "Sweeps",
-        body,
-    }))
+    Ok(Section::by_file("sweeps", "Sweeps", introduction, parts))
 }
 
 /// The cells of one method in one precision, and the parameters that vary among them.
@@ -63,9 +55,10 @@ fn sweeps(file: &File) -> Vec<Sweep<'_>> {
         let names = distinct(
             of_batches
                 .iter()
-                .flat_map(|cell| cell.key.parameters.keys()),
+                .flat_map(|cell| cell.key.choices())
+                .map(|(name, _)| name),
         );
-        let varies = |name: &&String| *name != "variant" && values(&of_batches, name).len() > 1;
+        let varies = |name: &&String| values(&of_batches, name).len() > 1;
         let parameters = names.into_iter().filter(varies).map(String::as_str);
         Sweep {
             method,
@@ -172,11 +165,11 @@ impl Sweep<'_> {
 /// Of the cells of a batch those beside which stand others that differ in this parameter only, with the most
 /// values that there are; none if it does not vary.
 fn comparable<'a>(batch: &[&'a Cell], name: &str) -> Vec<&'a Cell> {
-    let others = |cell: &Cell| {
-        let mut others = cell.key.parameters.clone();
-        others.remove(name);
-        others.remove("variant");
-        others
+    let others = |cell: &'a Cell| {
+        let choices = cell.key.choices();
+        choices
+            .filter(|(other, _)| *other != name)
+            .collect::<Vec<_>>()
     };
     let groups = distinct(batch.iter().map(|cell| others(cell)));
     let groups: Vec<Vec<&Cell>> = (groups.iter())

@@ -35,10 +35,11 @@ pub fn one(document: &Document, name: &str) -> Option<String> {
 
 /// What a cell can be seen along: its parameters and its precision.
 fn choices(key: &CellKey) -> Map<String, Value> {
-    let mut choices = key.parameters.clone();
-    choices.remove("variant");
-    choices.insert("precision".to_owned(), key.precision.as_str().into());
-    choices
+    let parameters = key
+        .choices()
+        .map(|(name, value)| (name.clone(), value.clone()));
+    let precision = ("precision".to_owned(), key.precision.as_str().into());
+    parameters.chain([precision]).collect()
 }
 
 /// Cells of one method that have the same parameters but for one.
