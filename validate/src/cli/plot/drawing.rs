@@ -1,6 +1,8 @@
 //! What the plots have in common: text, colours, markers, labels that do not overlap.
 
 use anyhow::anyhow;
+use plotters::chart::MeshStyle;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 
 /// How a point is drawn.
@@ -49,6 +51,38 @@ pub type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 /// Text of a colour.
 pub fn style(color: RGBColor) -> TextStyle<'static> {
     ("sans-serif", FONT_SIZE).into_font().color(&color)
+}
+
+/// The panel with this upper left corner.
+pub fn panel_at<'a>(root: &Area<'a>, at: (i32, i32)) -> Area<'a> {
+    root.clone().shrink(at, (PANEL.0 as u32, PANEL.1 as u32))
+}
+
+/// A chart with a title, and room for the axes.
+pub fn chart_on<'a, 'b>(area: &'a Area<'b>, title: &str) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
+    let mut chart = ChartBuilder::on(area);
+    chart
+        .margin(10)
+        .caption(title, style(INK))
+        .x_label_area_size(36)
+        .y_label_area_size(58);
+    chart
+}
+
+/// How the grid and the axes of a chart look; titles and ticks are the caller's.
+pub fn mesh<'a, 'b, 'c, X, Y>(
+    chart: &'b mut ChartContext<'a, SVGBackend<'c>, Cartesian2d<X, Y>>,
+) -> MeshStyle<'a, 'b, X, Y, SVGBackend<'c>>
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let mut mesh = chart.configure_mesh();
+    mesh.light_line_style(WHITE)
+        .bold_line_style(GRID)
+        .axis_style(INK)
+        .label_style(style(INK));
+    mesh
 }
 
 /// About how wide a text is: the real font is that of whoever looks at it.

@@ -1,7 +1,8 @@
 //! `dacrt plot errors`: time against errors as a scatter, a panel a ray type.
 
 use super::drawing::{
-    Area, Drawn, Frame, GRID, INK, PANEL, Shape, TOP, drawing, marker, place, style, tick, width,
+    Area, Drawn, Frame, INK, PANEL, Shape, TOP, chart_on, drawing, marker, mesh, panel_at, place,
+    style, tick, width,
 };
 use dacrt::Precision;
 use dacrt_validate::accuracy::{Batch, Who};
@@ -152,24 +153,14 @@ impl Scales {
 }
 
 fn draw_panel(root: &Area, panel: &Panel, at: (i32, i32), scales: &Scales) -> Drawn {
-    let area = (root.clone()).shrink(at, (PANEL.0 as u32, PANEL.1 as u32));
+    let area = panel_at(root, at);
     let zero = scales.errors.0;
-    let mut chart = ChartBuilder::on(&area)
-        .margin(10)
-        .caption(&panel.rays, style(INK))
-        .x_label_area_size(36)
-        .y_label_area_size(58)
-        .build_cartesian_2d(
-            (scales.ns.0..scales.ns.1).log_scale(),
-            // The line of no error stands clear of the axis.
-            (0.7 * scales.errors.0..scales.errors.1).log_scale(),
-        )?;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(GRID)
-        .axis_style(INK)
-        .label_style(style(INK))
+    let mut chart = chart_on(&area, &panel.rays).build_cartesian_2d(
+        (scales.ns.0..scales.ns.1).log_scale(),
+        // The line of no error stands clear of the axis.
+        (0.7 * scales.errors.0..scales.errors.1).log_scale(),
+    )?;
+    mesh(&mut chart)
         .x_desc("nanoseconds a ray")
         .y_desc("errors per million rays")
         .x_label_formatter(&|x| tick(*x))

@@ -1,7 +1,8 @@
 //! `dacrt plot growth`: time against the number of rays or triangles, both logarithmic.
 
 use super::drawing::{
-    Area, Drawn, GRID, INK, PANEL, Shape, TOP, drawing, marker, style, tick, width,
+    Area, Drawn, INK, PANEL, Shape, TOP, chart_on, drawing, marker, mesh, panel_at, style, tick,
+    width,
 };
 use dacrt_validate::growth::{Curve, Grows, Point};
 use plotters::prelude::*;
@@ -119,19 +120,10 @@ fn draw_panel(root: &Area, panel: &[&Curve], at: (i32, i32), ms: (f64, f64)) -> 
         Grows::Rays => format!("{} triangles", tick_of(all.map(|p| p.triangles))),
         Grows::Triangles => format!("{} rays", tick_of(all.map(|p| p.rays))),
     };
-    let area = (root.clone()).shrink(at, (PANEL.0 as u32, PANEL.1 as u32));
-    let mut chart = ChartBuilder::on(&area)
-        .margin(10)
-        .caption(format!("{rays}, {fixed}"), style(INK))
-        .x_label_area_size(36)
-        .y_label_area_size(58)
+    let area = panel_at(root, at);
+    let mut chart = chart_on(&area, &format!("{rays}, {fixed}"))
         .build_cartesian_2d((n.0..n.1).log_scale(), (ms.0..ms.1).log_scale())?;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(GRID)
-        .axis_style(INK)
-        .label_style(style(INK))
+    mesh(&mut chart)
         .x_desc(grows.name())
         .y_desc("milliseconds")
         .x_label_formatter(&|x| tick(*x))

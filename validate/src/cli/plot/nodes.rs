@@ -1,7 +1,8 @@
 //! `dacrt plot nodes`: how good estimates are, and what splits cost, of the nodes of one trace.
 
 use super::drawing::{
-    Area, Drawn, GRID, INK, PANEL, Shape, TOP, drawing, marker, style, tick, width,
+    Area, Drawn, INK, PANEL, Shape, TOP, chart_on, drawing, marker, mesh, panel_at, style, tick,
+    width,
 };
 use dacrt_validate::nodes::Row;
 use plotters::prelude::*;
@@ -44,26 +45,12 @@ pub(super) fn draw(rows: &[Row]) -> anyhow::Result<String> {
     })
 }
 
-fn panel<'a>(root: &Area<'a>, at: (i32, i32)) -> Area<'a> {
-    root.clone().shrink(at, (PANEL.0 as u32, PANEL.1 as u32))
-}
-
 /// Estimated against true intersection ratios, those of skipped children in another colour.
 fn scatter(root: &Area, rows: &[Row], at: (i32, i32)) -> Drawn {
     let children: Vec<_> = rows.iter().filter_map(Row::children).flatten().collect();
-    let area = panel(root, at);
-    let mut chart = ChartBuilder::on(&area)
-        .margin(10)
-        .caption("intersection ratio", style(INK))
-        .x_label_area_size(36)
-        .y_label_area_size(58)
-        .build_cartesian_2d(0.0..1.0, 0.0..1.0)?;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(GRID)
-        .axis_style(INK)
-        .label_style(style(INK))
+    let area = panel_at(root, at);
+    let mut chart = chart_on(&area, "intersection ratio").build_cartesian_2d(0.0..1.0, 0.0..1.0)?;
+    mesh(&mut chart)
         .x_desc("of all rays")
         .y_desc("of the samples")
         .draw()?;
@@ -203,25 +190,15 @@ fn lines(
     }
     let low = low.min(high);
     let place = |x: f64| if logarithmic { x.max(1e-3).log10() } else { x };
-    let area = panel(root, at);
+    let area = panel_at(root, at);
     let room = (place(high) - place(low)).max(0.1) * 0.03;
-    let mut chart = ChartBuilder::on(&area)
-        .margin(10)
-        .caption(title, style(INK))
-        .x_label_area_size(36)
-        .y_label_area_size(58)
-        .build_cartesian_2d(
-            place(low) - room..place(high) + room,
-            // Room for the legend.
-            0.0..(1.25 * most).max(1e-9),
-        )?;
+    let mut chart = chart_on(&area, title).build_cartesian_2d(
+        place(low) - room..place(high) + room,
+        // Room for the legend.
+        0.0..(1.25 * most).max(1e-9),
+    )?;
     let whole = |x: &f64| (x - x.round()).abs() < 1e-9;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(GRID)
-        .axis_style(INK)
-        .label_style(style(INK))
+    mesh(&mut chart)
         .x_desc(x)
         .y_desc(y)
         .x_label_formatter(&|x| match (logarithmic, whole(x)) {
