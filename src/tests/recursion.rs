@@ -207,6 +207,38 @@ fn lists_stay_within_their_memory() {
 }
 
 #[test]
+fn lists_that_keep_up_to_three_quarters_are_copied() {
+    // Frames around rays that hit nothing: the first ones are as wide as some of the rays, those
+    // behind them as all.
+    let n = 32_000;
+    let peak = |share: f32| {
+        let frame = |z: f32, width: f32| {
+            let corner = |x, y| Vec3::new(x * width, y, z);
+            [
+                Triangle::new(corner(0.0, -3.0), corner(1.0, -3.0), corner(0.5, -2.9)),
+                Triangle::new(corner(0.0, 3.0), corner(1.0, 3.0), corner(0.5, 2.9)),
+            ]
+        };
+        let frames = (0..8).flat_map(|i| {
+            let z = i as f32 * 0.01;
+            [frame(z, share), frame(z + 10.0, 1.0)]
+        });
+        let batch: Batch = (0..n)
+            .map(|i| {
+                let x = (i as f32 + 0.5) / n as f32;
+                Ray::new(Vec3::new(x, 0.0, -1.0), Vec3::new(1e-6, 1e-6, 1.0))
+            })
+            .collect();
+        let case = Case::new(Mesh::new(frames.flatten().collect()), batch);
+        let (_, trace) = case.nearest(Tracer::new(Method::Afra2012.parameters()));
+        trace.counters.peak_list
+    };
+    assert_eq!(peak(0.8), n as u64, "in place");
+    let copied = peak(0.7) as f32 / n as f32;
+    assert!((1.69..1.71).contains(&copied), "{copied}");
+}
+
+#[test]
 fn short_lists_that_keep_all_rays_stay_within_their_memory() {
     // Lists this short are copied at every level, and there are more levels than memory for them.
     let n = 1000;
