@@ -363,7 +363,7 @@ judged, the more it can tell. --memory has a line a cell: our workspace beside t
 and of other libraries. --csv has a line a cell and a column for each key of the result file.
 
 Examples:
-  dacrt table results/2026-11-22-zen5-1024.json.gz
+  dacrt table results/2026-11-23-granite-rapids-1024.json.gz
   dacrt table dacrt-bins.json --over bins
   dacrt table dacrt-run.json --over method
   dacrt table dacrt-run.json --errors
