@@ -7,34 +7,41 @@ use std::sync::{Arc, Mutex};
 /// Rays of a block, one of which a thread takes at a time; whole packets.
 pub(super) const BLOCK: usize = 4096;
 
-/// As many threads as were asked for; one is the caller's own.
 #[derive(Clone, Debug)]
-pub(super) struct Threads(Option<Arc<ThreadPool>>);
+pub(super) enum Threads {
+    /// The thread that calls.
+    Caller,
+    Pool(Arc<ThreadPool>),
+    /// One for each processor, as the exact arbiter has them: for what is not timed.
+    All,
+}
 
 impl Threads {
-    /// At least one.
+    /// As many as asked for, at least one; one is the caller's own.
     pub fn new(threads: usize) -> anyhow::Result<Threads> {
         if threads <= 1 {
-            return Ok(Threads(None));
+            return Ok(Threads::Caller);
         }
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.with_context(|| format!("cannot start {threads} threads"))?;
-        Ok(Threads(Some(Arc::new(pool))))
+        Ok(Threads::Pool(Arc::new(pool)))
     }
 
     /// Deals blocks of work to the threads, in order, and waits for the last of them.
     pub fn deal<T: Send>(&self, blocks: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
-        let Some(pool) = &self.0 else {
-            return blocks.for_each(work);
-        };
         let blocks = Mutex::new(blocks);
         let next = || blocks.lock().expect("iterators do not panic").next();
-        pool.broadcast(|_| {
-            // The lock is held while a block is taken, not while it is worked on.
+        // The lock is held while a block is taken, not while it is worked on.
+        let work = || {
             while let Some(block) = next() {
                 work(block);
             }
-        });
+        };
+        match self {
+            Threads::Caller => work(),
+            Threads::Pool(pool) => drop(pool.broadcast(|_| work())),
+            Threads::All => drop(rayon::broadcast(|_| work())),
+        }
     }
 }
 
@@ -46,10 +53,11 @@ mod tests {
 
     #[test]
     fn every_block_is_dealt_once() {
-        for threads in [1, 2, 5] {
+        let some = [1, 2, 5].map(|threads| Threads::new(threads).unwrap());
+        for threads in some.into_iter().chain([Threads::All]) {
             let mut numbers = vec![0u32; 1000];
             let blocks = numbers.chunks_mut(7).enumerate();
-            Threads::new(threads).unwrap().deal(blocks, |(i, block)| {
+            threads.deal(blocks, |(i, block)| {
                 block.iter_mut().for_each(|number| *number += i as u32 + 1);
             });
             assert!((numbers.iter().enumerate()).all(|(i, &n)| n == (i / 7) as u32 + 1));

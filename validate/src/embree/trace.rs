@@ -2,7 +2,7 @@
 
 use super::Scene;
 use super::scene::Committed;
-use super::threads::BLOCK;
+use super::threads::{BLOCK, Threads};
 use dacrt::rays::MISS;
 use dacrt::{Batch, Hits, Ray};
 use embree4_sys as sys;
@@ -49,13 +49,7 @@ impl Scene {
     /// # Panics
     /// If there are not as many hits as rays.
     pub fn nearest(&self, batch: &Batch, query: Query, hits: &mut Hits) {
-        assert_eq!(hits.len(), batch.len(), "one hit record a ray");
-        let scene = self.committed();
-        let records = hits.t.chunks_mut(BLOCK).zip(hits.prim.chunks_mut(BLOCK));
-        let blocks = (0..).step_by(BLOCK).zip(records);
-        self.threads().deal(blocks, |(from, (t, prim))| {
-            scene.nearest_from(batch, query, from, t, prim);
-        });
+        self.nearest_by(self.threads(), batch, query, hits);
     }
 
     /// Whether each ray hits anything: 1 for yes, 0 for no. Rays that are not valid never reach
@@ -67,10 +61,42 @@ impl Scene {
     /// # Panics
     /// If there are not as many answers as rays.
     pub fn any(&self, batch: &Batch, query: Query, occluded: &mut [u8]) {
+        self.any_by(self.threads(), batch, query, occluded);
+    }
+
+    /// As [`Scene::nearest`], ray by ray, with a thread on each processor whatever threads the device
+    /// has: for what is not timed.
+    ///
+    /// # Panics
+    /// If there are not as many hits as rays.
+    pub fn nearest_untimed(&self, batch: &Batch, hits: &mut Hits) {
+        self.nearest_by(&Threads::All, batch, Query::Single, hits);
+    }
+
+    /// As [`Scene::any`], ray by ray, with a thread on each processor whatever threads the device has:
+    /// for what is not timed.
+    ///
+    /// # Panics
+    /// If there are not as many answers as rays.
+    pub fn any_untimed(&self, batch: &Batch, occluded: &mut [u8]) {
+        self.any_by(&Threads::All, batch, Query::Single, occluded);
+    }
+
+    fn nearest_by(&self, threads: &Threads, batch: &Batch, query: Query, hits: &mut Hits) {
+        assert_eq!(hits.len(), batch.len(), "one hit record a ray");
+        let scene = self.committed();
+        let records = hits.t.chunks_mut(BLOCK).zip(hits.prim.chunks_mut(BLOCK));
+        let blocks = (0..).step_by(BLOCK).zip(records);
+        threads.deal(blocks, |(from, (t, prim))| {
+            scene.nearest_from(batch, query, from, t, prim);
+        });
+    }
+
+    fn any_by(&self, threads: &Threads, batch: &Batch, query: Query, occluded: &mut [u8]) {
         assert_eq!(occluded.len(), batch.len(), "one answer a ray");
         let scene = self.committed();
         let blocks = (0..).step_by(BLOCK).zip(occluded.chunks_mut(BLOCK));
-        self.threads().deal(blocks, |(from, occluded)| {
+        threads.deal(blocks, |(from, occluded)| {
             scene.any_from(batch, query, from, occluded);
         });
     }

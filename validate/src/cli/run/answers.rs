@@ -98,6 +98,14 @@ impl Answers {
         }
     }
 
+    /// Fills in what Embree finds, as fast as this machine can and not to be timed.
+    pub fn trace_embree_untimed(&mut self, scene: &Scene, batch: &Batch) {
+        match self {
+            Answers::Nearest(hits) => scene.nearest_untimed(batch, hits),
+            Answers::Any(occluded) => scene.any_untimed(batch, occluded),
+        }
+    }
+
     /// Fills in what Embree finds, on the thread that calls.
     pub fn trace_embree_alone(&mut self, scene: &Committed, batch: &Batch, query: Query) {
         match self {

@@ -4,7 +4,7 @@
 use super::answers::Answers;
 use crate::cli::progress::Progress;
 use dacrt::{Batch, Mesh};
-use dacrt_validate::embree::{Device, Mode, Quality, Query, Scene};
+use dacrt_validate::embree::{Device, Mode, Quality, Scene};
 use dacrt_validate::peers::{self, Peer, Tree};
 
 /// A quality whose builds have taken this long together is not built again.
@@ -93,7 +93,7 @@ impl Reference {
     pub fn answers(&self, batch: &Batch, any: bool) -> [Answers; 2] {
         Mode::ALL.map(|mode| {
             let mut answers = Answers::room(batch.len(), any);
-            answers.trace_embree(self.scene(mode), batch, Query::Single);
+            answers.trace_embree_untimed(self.scene(mode), batch);
             answers
         })
     }
