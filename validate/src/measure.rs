@@ -1,17 +1,19 @@
 //! Interleaved timing: contestants take turns, so that a slow spell of the machine hits them all.
 
 use fastrand::Rng;
+use std::ops::Range;
 
-/// Runs `contestants` in turn: one warm-up round whose times are thrown away, then `repeats`
-/// rounds, each in another order, for who runs after a contestant that leaves the caches or the
-/// clock in a bad state is slower. Returns all samples of each contestant, in milliseconds, in round
-/// order.
+/// Runs `contestants` in turn: those that are `cold` once to warm up, whose times are thrown away, then
+/// all in `repeats` rounds, each in another order, for who runs after a contestant that leaves the caches
+/// or the clock in a bad state is slower. Returns all samples of each contestant, in milliseconds, in
+/// round order.
 ///
 /// `run(i)` runs contestant `i` and returns the milliseconds that count. After the first measured
 /// round `give_up` sees the samples so far and may name contestants that run no more; they keep
 /// their one sample.
 pub fn interleave<E>(
     contestants: usize,
+    cold: Range<usize>,
     repeats: usize,
     mut run: impl FnMut(usize) -> Result<f64, E>,
     give_up: impl FnOnce(&[Vec<f64>]) -> Vec<usize>,
@@ -21,7 +23,7 @@ pub fn interleave<E>(
     let mut give_up = Some(give_up);
     let mut order: Vec<usize> = (0..contestants).collect();
     let mut random = Rng::with_seed(contestants as u64);
-    for &i in &order {
+    for i in cold {
         run(i)?;
     }
     for round in 0..repeats {
@@ -55,6 +57,7 @@ mod tests {
         let mut order = Vec::new();
         let samples = interleave::<Infallible>(
             3,
+            1..3,
             9,
             |i| {
                 order.push(i);
@@ -63,10 +66,12 @@ mod tests {
             |_| vec![],
         )
         .unwrap();
-        let mut rounds: Vec<Vec<usize>> = order.chunks(3).map(<[usize]>::to_vec).collect();
-        assert_eq!(rounds.len(), 10);
+        assert_eq!(order[..2], [1, 2]);
+        let rounds = order[2..].chunks(3);
+        let mut rounds: Vec<Vec<usize>> = rounds.map(<[usize]>::to_vec).collect();
+        assert_eq!(rounds.len(), 9);
         for (i, samples) in samples.iter().enumerate() {
-            let when = (3..order.len()).filter(|&at| order[at] == i);
+            let when = (2..order.len()).filter(|&at| order[at] == i);
             let when: Vec<f64> = when.map(|at| (at + 1) as f64).collect();
             assert_eq!(*samples, when);
         }
@@ -83,6 +88,7 @@ mod tests {
     fn a_contestant_that_gave_up_keeps_its_first_sample() {
         let samples = interleave::<Infallible>(
             3,
+            0..3,
             3,
             |i| Ok(i as f64),
             |first| {
@@ -99,6 +105,7 @@ mod tests {
         let mut runs = 0;
         let result = interleave(
             2,
+            0..2,
             5,
             |i| {
                 runs += 1;

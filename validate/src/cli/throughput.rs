@@ -262,7 +262,13 @@ impl Bench<'_> {
             let who = Who::Embree(built.scene.committed(), query);
             Ok(milliseconds(|| worker.trace(&who, self.mesh, batch)).1)
         };
-        let Ok(samples) = interleave(combinations.len(), TRIALS, trace, |_| Vec::new());
+        let Ok(samples) = interleave(
+            combinations.len(),
+            0..combinations.len(),
+            TRIALS,
+            trace,
+            |_| Vec::new(),
+        );
         let (&(built, query), _) = (combinations.iter().zip(&samples))
             .min_by(|(_, a), (_, b)| least(a).total_cmp(&least(b)))
             .expect("every quality is built");
@@ -336,7 +342,9 @@ impl Bench<'_> {
             }
             Ok(ms)
         };
-        let Ok(samples) = interleave(entries.len(), self.repeats, run, |_| Vec::new());
+        let Ok(samples) = interleave(entries.len(), 0..entries.len(), self.repeats, run, |_| {
+            Vec::new()
+        });
 
         let mut one_thread: &[f64] = &[];
         for ((contestant, scheme, crew), samples) in entries.into_iter().zip(&samples) {

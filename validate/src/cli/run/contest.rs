@@ -105,7 +105,8 @@ pub fn contest(
         out.into_iter().map(|i| i + ours).collect()
     };
     let all = ours + combinations.len() + peers.len();
-    let Ok(mut samples) = interleave(all, repeats as usize, run, give_up);
+    // The entrants are warm from the trace that was checked.
+    let Ok(mut samples) = interleave(all, ours..all, repeats as usize, run, give_up);
     let peer_samples = samples.split_off(ours + combinations.len());
     let embree_samples = samples.split_off(ours);
 
