@@ -104,7 +104,7 @@ impl<'a> Measured<'a> {
                         _ if printed > high => "above",
                         _ => "within",
                     };
-                    (format!("{low:.2}-{high:.2}"), stands)
+                    (format!("{low:.2}-{high:.2} of {}", ratios.len()), stands)
                 }
             };
             let of_tests = |[without, with]: [u64; 2]| match with {
@@ -233,7 +233,7 @@ const NOTES: &str = "\
 Milliseconds without/with ray sampling (afra2012/nabata2013), of all batches of a picture; sizes as
 in the paper: pictures of one size with 1, 4, 16, 64 samples a pixel. boxes, tris: how many times as
 many ray/box tests (those of sample rays counted) and ray/triangle tests without. cameras: 5 to 95 %
-of the ratios of all cameras, and where the paper's ratio stands to that; it prints no camera.
+of the ratios of so many cameras, and where the paper's ratio stands to that; it prints no camera.
 
 ";
 
@@ -247,6 +247,7 @@ fn trends(measured: &[Option<Measured>]) -> String {
         "rank",
         "here",
         "",
+        "of",
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for measured in measured.iter().flatten() {
@@ -274,14 +275,15 @@ fn trends(measured: &[Option<Measured>]) -> String {
             format!("{:.2}", rank(&printed)),
             format!("{:.2}", trend.rank.value),
             unless_unsound(call(&trend.rank, rank(&printed), 0.0), rank_is_sound),
+            cameras.len().to_string(),
         ]);
     }
     match rows.len() {
         1 => String::new(),
         _ => format!(
-            "{}Means over the cameras; the intervals are of cameras and repeats drawn anew. rank: Kendall's\n\
-             correlation of ratio and size.\n\n",
-            columns(&rows, &[1, 2, 4, 5])
+            "{}Means over as many cameras as have all sizes; the intervals are of cameras and repeats drawn\n\
+             anew, of one camera of its repeats alone. rank: Kendall's correlation of ratio and size.\n\n",
+            columns(&rows, &[1, 2, 4, 5, 7])
         ),
     }
 }
