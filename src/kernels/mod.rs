@@ -29,7 +29,7 @@ mod watertight;
 pub(crate) use bins::{BinBox, Binning, Bins, Item, MAX_BINS};
 pub(crate) use block::{BlockStreams, Source};
 pub(crate) use clusters::Grid;
-pub(crate) use cone::{Cones, LEAST_PACKET};
+pub(crate) use cone::{Cones, LEAST_PACKET, PreparedCones};
 pub(crate) use copies::{Copies, IndexList, ItemList};
 pub(crate) use filter::{BLOCK, Keep};
 pub(crate) use groups::{ENTRY, Entry, GROUP, Groups, Ordered, streams};

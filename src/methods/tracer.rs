@@ -213,7 +213,7 @@ impl Tracer {
     /// Allocates the tree.
     ///
     /// # Panics
-    /// As [`Tracer::nearest`]; and if the method is `best`, takes cones, or octants.
+    /// As [`Tracer::nearest`].
     pub fn store_nearest(
         &self,
         mesh: &Mesh,
@@ -242,9 +242,10 @@ impl Tracer {
     /// without making any; the batch is the same, too, but for [`Sent::Onward`].
     ///
     /// # Panics
-    /// As [`Tracer::store_nearest`]; and if the mesh has another number of triangles, or a tree of cells is
-    /// sent [`Sent::Onward`]. Rays of another batch sent otherwise take longer, and may lose their hits where
-    /// cells are split.
+    /// As [`Tracer::nearest`]; and if the splits are those of another kind of method, or the mesh has another
+    /// number of triangles; if rays are sent [`Sent::Onward`] through a tree of cells, or otherwise than
+    /// [`Sent::Together`] through one of conic packets or of `best`; and it may if rays of another batch are
+    /// sent through one of `best`. Elsewhere these take longer, and may lose their hits where cells are split.
     pub fn send_nearest(
         &self,
         mesh: &Mesh,
@@ -378,12 +379,7 @@ impl Tracer {
                 space::trace(&job, p, memory, answer, observer)
             }
             (Parameters::Best(p), Memory::Best(memory)) => {
-                let watch = match observer {
-                    Observer::None => None,
-                    Observer::Ray(watch) => Some(watch),
-                    _ => panic!("best keeps its splits itself"),
-                };
-                best::trace(&job, p, memory, self.threads, answer, watch)
+                best::trace(&job, p, memory, self.threads, answer, observer)
             }
             _ => panic!("the workspace is for another kind of method"),
         }

@@ -4,7 +4,11 @@
 mod common;
 
 use common::{random_rays, soup};
-use dacrt::{Batch, Hits, Lists, Mesh, Method, ObjectParameters, Sent, SpaceParameters, Tracer};
+use dacrt::{
+    Batch, BestParameters, Hits, Lists, Mesh, Method, ObjectParameters, Ray, Sent, SpaceParameters,
+    Trace, Tracer,
+};
+use glam::Vec3;
 
 fn rays_of_all_kinds() -> Vec<(Mesh, Batch, String)> {
     let sizes = [
@@ -18,6 +22,15 @@ fn rays_of_all_kinds() -> Vec<(Mesh, Batch, String)> {
         (soup(triangles, 3), random_rays(rays, 4, shared), name)
     };
     sizes.map(batch).into()
+}
+
+/// Rays of one origin, neighbours beside each other, rows of 200.
+fn fan_of_rays(n: usize) -> Batch {
+    let ray = |i: usize| {
+        let (x, y) = ((i % 200) as f32 / 200.0, (i / 200) as f32 / 200.0);
+        Ray::new(Vec3::splat(-1.0), Vec3::new(1.0, x + 0.5, y + 0.5))
+    };
+    (0..n).map(ray).collect()
 }
 
 fn check(mesh: &Mesh, batch: &Batch, parameters: impl Into<dacrt::Parameters>, what: &str) {
@@ -95,18 +108,100 @@ fn rays_sent_one_by_one_have_the_tests_of_the_trace() {
     }
 }
 
+/// The tests of a trace by groups or conic packets are not those of one ray; hits and tests of triangles are
+/// those of the trace all the same.
 #[test]
-#[should_panic(expected = "no tree is kept")]
-fn of_cones_no_tree_is_kept() {
-    let (mesh, batch, _) = rays_of_all_kinds().swap_remove(0);
+fn cones_octants_and_blocks_go_through_their_splits_together() {
+    let octants = SpaceParameters {
+        octants: true,
+        ..SpaceParameters::MORA2011
+    };
+    // As many as make several blocks of `best`.
+    let blocks = BestParameters {
+        block: 4096,
+        ..BestParameters::BEST
+    };
+    let batches = rays_of_all_kinds().into_iter().chain([
+        (
+            soup(2000, 5),
+            fan_of_rays(30_000),
+            "rays in cones".to_owned(),
+        ),
+        (
+            Mesh::new(vec![]),
+            random_rays(100, 1, true),
+            "no triangles".to_owned(),
+        ),
+    ]);
+    for (mesh, batch, name) in batches {
+        for parameters in [
+            Method::Mora2011Cones.parameters(),
+            octants.into(),
+            Method::Best.parameters(),
+            blocks.into(),
+        ] {
+            let what = format!("{name} {parameters:?}");
+            let tracer = Tracer::new(parameters);
+            let mut workspace = tracer.workspace(batch.len(), mesh.len());
+            let (mut hits, mut sent) = (Hits::misses(batch.len()), Hits::misses(batch.len()));
+            let plain = tracer.nearest(&mesh, &batch, &mut workspace, &mut hits);
+            let (trace, stored) = tracer.store_nearest(&mesh, &batch, &mut workspace, &mut sent);
+            assert_eq!(
+                (&hits, plain),
+                (&sent, trace),
+                "{what}: keeping changes nothing"
+            );
+            assert!(mesh.is_empty() || stored.nodes() > 1, "{what}");
+            sent.t.fill(f32::NAN);
+            let through = (&stored, Sent::Together);
+            let again = tracer.send_nearest(&mesh, &batch, &mut workspace, &mut sent, through);
+            assert_eq!(hits, sent, "{what}");
+            let tests = |trace: &Trace| (trace.counters.leaves, trace.counters.ray_triangle);
+            assert_eq!(tests(&trace), tests(&again), "{what}");
+            assert_eq!(again.counters.binned_triangles, 0, "{what}");
+            let (mut any, mut through_any) = (vec![0; batch.len()], vec![2; batch.len()]);
+            let (_, stored) = tracer.store_any(&mesh, &batch, &mut workspace, &mut any);
+            let through = (&stored, Sent::Together);
+            tracer.send_any(&mesh, &batch, &mut workspace, &mut through_any, through);
+            assert_eq!(any, through_any, "{what}, any hit");
+        }
+    }
+}
+
+#[test]
+fn threads_share_the_splits_of_a_trace() {
+    let (mesh, batch) = (soup(5000, 3), random_rays(50_000, 4, false));
+    let tracer = Tracer::new(Method::Best.parameters()).with_threads(3);
+    let mut workspace = tracer.workspace(batch.len(), mesh.len());
+    let (mut hits, mut sent) = (Hits::misses(batch.len()), Hits::misses(batch.len()));
+    let (_, stored) = tracer.store_nearest(&mesh, &batch, &mut workspace, &mut hits);
+    let through = (&stored, Sent::Together);
+    tracer.send_nearest(&mesh, &batch, &mut workspace, &mut sent, through);
+    assert_eq!(hits, sent);
+}
+
+#[test]
+#[should_panic(expected = "sent together")]
+fn cones_cannot_be_sent_one_by_one() {
+    let (mesh, batch) = (soup(2000, 5), fan_of_rays(1000));
     let tracer = Tracer::new(Method::Mora2011Cones.parameters());
     let mut workspace = tracer.workspace(batch.len(), mesh.len());
-    tracer.store_nearest(
-        &mesh,
-        &batch,
-        &mut workspace,
-        &mut Hits::misses(batch.len()),
-    );
+    let mut hits = Hits::misses(batch.len());
+    let (_, stored) = tracer.store_nearest(&mesh, &batch, &mut workspace, &mut hits);
+    let through = (&stored, Sent::OneByOne);
+    tracer.send_nearest(&mesh, &batch, &mut workspace, &mut hits, through);
+}
+
+#[test]
+#[should_panic(expected = "sent together")]
+fn blocks_cannot_be_sent_one_by_one() {
+    let (mesh, batch, _) = rays_of_all_kinds().swap_remove(0);
+    let tracer = Tracer::new(Method::Best.parameters());
+    let mut workspace = tracer.workspace(batch.len(), mesh.len());
+    let mut hits = Hits::misses(batch.len());
+    let (_, stored) = tracer.store_nearest(&mesh, &batch, &mut workspace, &mut hits);
+    let through = (&stored, Sent::OneByOne);
+    tracer.send_nearest(&mesh, &batch, &mut workspace, &mut hits, through);
 }
 
 /// Rays of another batch find their hits by splits that end where no ray has come before.

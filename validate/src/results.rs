@@ -276,10 +276,11 @@ pub struct Twin {
     pub ray_box: u64,
     /// Ray/triangle tests of the trace.
     pub ray_triangle: u64,
-    /// Ray/box tests of rays sent one by one. Mora 2011, section 3.2: as many.
-    pub one_by_one_ray_box: u64,
+    /// Ray/box tests of rays sent one by one. Mora 2011, section 3.2: as many. `None` where boxes are held
+    /// against conic packets, or groups, which cannot be sent so.
+    pub one_by_one_ray_box: Option<u64>,
     /// Ray/triangle tests of these.
-    pub one_by_one_ray_triangle: u64,
+    pub one_by_one_ray_triangle: Option<u64>,
     /// Hits that are not those of the trace, over all times that rays were sent; 0.
     pub differing_rays: usize,
     /// Median milliseconds of all rays sent together.
@@ -289,7 +290,7 @@ pub struct Twin {
     /// Its 95 % bootstrap interval.
     pub trace_over_twin_interval: [f64; 2],
     /// Milliseconds of all rays sent one by one, once, by kernels that are made for many.
-    pub one_by_one_ms: f64,
+    pub one_by_one_ms: Option<f64>,
     /// Milliseconds of each repeat.
     pub samples_ms: Vec<f64>,
     /// The same rays through the splits of the primary rays; `None` of primary rays, and of cells.
@@ -312,9 +313,11 @@ pub struct Reuse {
 }
 
 impl Twin {
-    /// Whether a ray that is sent alone has the tests that it had among others, and its hit.
+    /// Whether a ray that is sent alone has the tests that it had among others, if it can be, and its hit.
     pub fn is_equal(&self) -> bool {
-        (self.ray_box, self.ray_triangle) == (self.one_by_one_ray_box, self.one_by_one_ray_triangle)
+        let equal = |sent: Option<u64>, of_trace| sent.is_none_or(|n| n == of_trace);
+        equal(self.one_by_one_ray_box, self.ray_box)
+            && equal(self.one_by_one_ray_triangle, self.ray_triangle)
             && self.differing_rays == 0
     }
 }

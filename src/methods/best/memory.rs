@@ -20,29 +20,34 @@ const LEVELS: usize = 2 * 100;
 
 /// Memory for traces of up to a number of rays and triangles with a number of threads.
 pub(in crate::methods) struct Memory {
-    pub(super) items: Vec<Item>,
-    /// The items by cell.
-    pub(super) sorted: Vec<Item>,
-    /// The cell of each item.
-    pub(super) cells: Vec<u32>,
-    pub(super) clusters: Vec<Item>,
-    pub(super) cluster_scratch: Vec<Item>,
-    /// Items of each cluster.
-    pub(super) ranges: Vec<[u32; 2]>,
-    pub(super) nodes: Vec<Node>,
-    pub(super) prepared: Vec<Prepared>,
+    pub(super) triangles: TriangleMemory,
     /// A window of the batch, in order.
     pub(super) records: Vec<SortedRay>,
     pub(super) record_places: Vec<u32>,
     pub(super) keys: Vec<u16>,
     /// Rays of each key for each thread, and where they go.
     pub(super) buckets: Vec<u32>,
-    /// The triangles of each thread.
-    pub(super) parts: Vec<Part>,
     pub(super) rooms: Vec<SplitRoom>,
     pub(super) workers: Vec<Worker>,
     /// The threads but for the caller's, if there are any; started beforehand.
     pub(super) pool: Option<ThreadPool>,
+}
+
+/// Where triangles are split.
+pub(super) struct TriangleMemory {
+    pub items: Vec<Item>,
+    /// The items by cell.
+    pub sorted: Vec<Item>,
+    /// The cell of each item.
+    pub cells: Vec<u32>,
+    pub clusters: Vec<Item>,
+    pub cluster_scratch: Vec<Item>,
+    /// Items of each cluster.
+    pub ranges: Vec<[u32; 2]>,
+    pub nodes: Vec<Node>,
+    pub prepared: Vec<Prepared>,
+    /// The triangles of each thread.
+    pub parts: Vec<Part>,
 }
 
 /// The memory of one thread.
@@ -90,19 +95,21 @@ fn block(rays: usize) -> usize {
 impl Memory {
     pub fn new(rays: usize, triangles: usize, threads: usize) -> Memory {
         Memory {
-            items: room(Item::ZERO, triangles),
-            sorted: room(Item::ZERO, triangles),
-            cells: room(0, triangles),
-            clusters: room(Item::ZERO, cells(triangles)),
-            cluster_scratch: room(Item::ZERO, cells(triangles)),
-            ranges: room([0; 2], cells(triangles)),
-            nodes: Node::room(triangles),
-            prepared: room(Prepared::ZERO, triangles),
+            triangles: TriangleMemory {
+                items: room(Item::ZERO, triangles),
+                sorted: room(Item::ZERO, triangles),
+                cells: room(0, triangles),
+                clusters: room(Item::ZERO, cells(triangles)),
+                cluster_scratch: room(Item::ZERO, cells(triangles)),
+                ranges: room([0; 2], cells(triangles)),
+                nodes: Node::room(triangles),
+                prepared: room(Prepared::ZERO, triangles),
+                parts: room(Part::NONE, threads),
+            },
             records: room([[0.0; 4]; 2], rays.min(MAX_WINDOW)),
             record_places: room(0, rays.min(MAX_WINDOW)),
             keys: room(0, rays.min(MAX_WINDOW)),
             buckets: room(0, threads * BUCKETS),
-            parts: room(Part::NONE, threads),
             rooms: (0..threads).map(|_| SplitRoom::new(triangles)).collect(),
             workers: (0..threads).map(|_| Worker::new(rays)).collect(),
             pool: (threads > 1).then(|| {

@@ -9,6 +9,7 @@
 
 mod clusters;
 mod divide;
+mod first_pass;
 mod memory;
 mod order;
 mod parameters;
@@ -19,4 +20,5 @@ mod watched;
 pub(super) use memory::Memory;
 pub(in crate::methods) use parameters::FIELDS;
 pub use parameters::{BestParameters, Sort};
+pub(super) use splits::Kept;
 pub(super) use trace::trace;

@@ -6,8 +6,10 @@ use crate::geometry::{Aabb, Triangle};
 use crate::kernels::{
     BinBox, Binning, Bins, CHUNK, Copies, Grid, Item, ItemList, Kernels, MAX_BINS, Prepared, Rays,
 };
+use crate::methods::job::Job;
 use crate::room::room_with;
 use std::marker::PhantomData;
+use std::ptr::NonNull;
 use std::slice;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -105,6 +107,13 @@ impl Node {
         }
     }
 
+    fn copy(&self) -> Node {
+        Node {
+            state: AtomicU32::new(self.state.load(Ordering::Acquire)),
+            ..*self
+        }
+    }
+
     /// Number of triangles; of a leaf that was opened, without the copies that were dropped.
     pub fn weight(&self) -> usize {
         self.part.weight as usize
@@ -135,11 +144,31 @@ pub(super) struct Splits<'a> {
     node_count: AtomicU32,
     prepared: *mut Prepared,
     prepared_count: AtomicU32,
+    /// Whether they are those of an earlier trace, to which nothing is added.
+    are_kept: bool,
     _memory: PhantomData<&'a mut Node>,
 }
 
 // SAFETY: see the rule above; all else is read only.
 unsafe impl Sync for Splits<'_> {}
+
+/// The splits of a trace that is over.
+pub(in crate::methods) struct Kept {
+    nodes: Vec<Node>,
+    prepared: Vec<Prepared>,
+}
+
+impl Kept {
+    /// Number of nodes; some of them no ray has come to.
+    pub fn nodes(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Number of triangles of the leaves that rays have come to.
+    pub fn triangles(&self) -> usize {
+        self.prepared.len()
+    }
+}
 
 /// Where splits are made.
 pub(super) struct Places<'a> {
@@ -205,7 +234,47 @@ impl<'a> Splits<'a> {
             node_count: AtomicU32::new(1),
             prepared: places.prepared.as_mut_ptr(),
             prepared_count: AtomicU32::new(0),
+            are_kept: false,
             _memory: PhantomData,
+        }
+    }
+
+    /// The splits that a trace has made, for the same rays.
+    pub fn kept(job: &Job<'a>, kept: &'a Kept) -> Splits<'a> {
+        Splits {
+            kernels: job.kernels,
+            triangles: job.mesh.triangles(),
+            items: NonNull::dangling().as_ptr(),
+            scratch: NonNull::dangling().as_ptr(),
+            clusters: NonNull::dangling().as_ptr(),
+            cluster_scratch: NonNull::dangling().as_ptr(),
+            cluster_count: AtomicU32::new(0),
+            most_clusters: 0,
+            ranges: NonNull::dangling().as_ptr(),
+            cells: NonNull::dangling().as_ptr(),
+            cell_triangles: 0.0,
+            nodes: kept.nodes.as_ptr().cast_mut(),
+            node_count: AtomicU32::new(kept.nodes.len() as u32),
+            prepared: kept.prepared.as_ptr().cast_mut(),
+            prepared_count: AtomicU32::new(kept.prepared.len() as u32),
+            are_kept: true,
+            _memory: PhantomData,
+        }
+    }
+
+    /// A copy of what has been made so far, when no thread is at work.
+    pub fn keep(&self) -> Kept {
+        let of = |count: &AtomicU32| count.load(Ordering::Acquire) as usize;
+        // SAFETY: all nodes and prepared triangles that were given out have been written.
+        let (nodes, prepared) = unsafe {
+            (
+                slice::from_raw_parts(self.nodes, of(&self.node_count)),
+                slice::from_raw_parts(self.prepared, of(&self.prepared_count)),
+            )
+        };
+        Kept {
+            nodes: nodes.iter().map(Node::copy).collect(),
+            prepared: prepared.to_vec(),
         }
     }
 
@@ -237,6 +306,7 @@ impl<'a> Splits<'a> {
     #[cold]
     #[inline(never)]
     fn open_new(&self, at: usize, rays: &Rays, room: &mut SplitRoom, binned: &mut u64) -> State {
+        assert!(!self.are_kept, "no ray has come here before");
         let state = &self.node(at).state;
         let taken = state.compare_exchange(NEW, BUSY, Ordering::Acquire, Ordering::Acquire);
         if taken.is_err() {

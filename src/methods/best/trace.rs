@@ -1,16 +1,18 @@
 //! One trace: a pass over the triangles, then blocks of rays, one after another or dealt to threads.
 
-use super::clusters::{self, Sorted};
 use super::divide::Divide;
+use super::first_pass::first_pass;
 use super::memory::{Memory, SplitRoom, Worker};
 use super::order::is_incoherent;
-use super::splits::{Places, Splits};
+use super::splits::Splits;
 use super::watched::Watched;
 use super::{BestParameters, Sort};
 use crate::geometry::Aabb;
 use crate::kernels::{BUCKETS, BlockStreams, Rays, SortedRay, Source, Tmax, Window, place_keys};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
+use crate::methods::observer::Observer;
+use crate::methods::stored::Sent;
 use crate::methods::watch::Watch;
 use crate::rays::MISS;
 use crate::rays::active::ActiveRays;
@@ -26,10 +28,18 @@ pub(in crate::methods) fn trace(
     memory: &mut Memory,
     threads: usize,
     mut answer: Answer,
-    mut watch: Option<&mut Watch>,
+    observer: Observer,
 ) -> Trace {
-    let (kernels, mesh, batch) = (job.kernels, job.mesh, job.batch);
+    let batch = job.batch;
     let n = batch.len();
+    let (mut watch, mut stored, mut sent) = (None, None, None);
+    match observer {
+        Observer::None => {}
+        Observer::Ray(ray) => watch = Some(ray),
+        Observer::Nodes(_) => panic!("nodes are those of afra2012 and nabata2013"),
+        Observer::Store(tree) => stored = Some(tree),
+        Observer::Send(tree, how) => sent = Some((tree, how)),
+    }
     // Whoever watches a ray sees it on one thread.
     let threads = match watch {
         Some(_) => 1,
@@ -37,65 +47,20 @@ pub(in crate::methods) fn trace(
     };
     let pool = memory.pool.as_ref().filter(|_| threads > 1);
     let workers = &mut memory.workers[..threads];
-    let parts = &mut memory.parts[..threads];
-    let share = |i: usize| mesh.len() * i / threads;
-
-    let mut rest = &mut memory.items[..mesh.len()];
-    let tasks = parts.iter_mut().enumerate().map(|(i, part)| {
-        let items = split_off(&mut rest, share(i + 1) - share(i));
-        (part, share(i), items)
-    });
-    each(pool, tasks, |(part, from, items)| {
-        *part = clusters::prepare(kernels, mesh, from, items);
-    });
-
-    let (scene, triangles, grid) =
-        clusters::grid(parts, parameters.cell_triangles, memory.clusters.len());
+    let rooms = &mut memory.rooms[..threads];
+    let splits = match sent {
+        None => first_pass(job, parameters, pool, &mut memory.triangles, rooms),
+        Some((tree, how)) => {
+            assert_eq!(how, Sent::Together, "blocks of rays are sent together");
+            Splits::kept(job, tree.best.as_ref().expect("splits of best"))
+        }
+    };
+    let (scene, triangles) = (splits.node(0).bounds, splits.node(0).weight());
     let sorted = match parameters.sort {
         Sort::Auto => is_incoherent(batch),
         Sort::Never => false,
         Sort::Always => true,
     };
-    let rooms = &mut memory.rooms[..threads];
-    let items = &memory.items;
-    let mut cells = &mut *memory.cells;
-    let tasks = rooms.iter_mut().zip(&*parts).enumerate();
-    let tasks = tasks.map(|(i, (room, part))| {
-        let cells = split_off(&mut cells, share(i + 1) - share(i));
-        (room, part, cells)
-    });
-    each(pool, tasks, |(room, part, cells)| {
-        room.count(kernels, &grid, &items[part.range()], cells);
-    });
-    let clusters = clusters::place(&grid, rooms, 0, &mut memory.ranges);
-    let places = Sorted(memory.sorted.as_mut_ptr());
-    let cells = &memory.cells;
-    let tasks = rooms.iter_mut().zip(&*parts).enumerate();
-    each(pool, tasks, |(i, (room, part))| {
-        let cells = &cells[share(i)..];
-        // SAFETY: there are as many places as items.
-        unsafe { clusters::scatter(kernels, &items[part.range()], cells, room, &places) };
-    });
-    let ranges = &memory.ranges[..clusters];
-    clusters::unite(&grid, rooms, 0, ranges, &mut memory.clusters);
-
-    let splits = Splits::new(
-        kernels,
-        mesh.triangles(),
-        scene,
-        clusters,
-        parameters.cell_triangles,
-        Places {
-            items: &mut memory.sorted[..triangles],
-            scratch: &mut memory.items[..triangles],
-            clusters: &mut memory.clusters,
-            cluster_scratch: &mut memory.cluster_scratch,
-            ranges: &mut memory.ranges,
-            cells: &mut memory.cells,
-            nodes: &mut memory.nodes,
-            prepared: &mut memory.prepared,
-        },
-    );
     for worker in &mut *workers {
         worker.counters = Counters::default();
         worker.invalid_rays = 0;
@@ -142,6 +107,9 @@ pub(in crate::methods) fn trace(
             }),
         }
     }
+    if let Some(stored) = &mut stored {
+        stored.best = Some(splits.keep());
+    }
     if let Answer::Nearest(hits) = answer {
         let share = |i: usize| n * i / threads;
         let (mut t, mut prim) = (&mut hits.t[..], &mut hits.prim[..]);
@@ -167,7 +135,7 @@ pub(in crate::methods) fn trace(
 
 /// Does tasks, side by side if there are threads for that. The first is the caller's own: a caller that
 /// slept meanwhile left its processor empty, and two threads that it woke shared the other one.
-fn each<T: Send>(
+pub(super) fn each<T: Send>(
     pool: Option<&ThreadPool>,
     mut tasks: impl Iterator<Item = T>,
     work: impl Fn(T) + Sync,
@@ -186,7 +154,7 @@ fn each<T: Send>(
 }
 
 /// Takes the first `n` from what is left of a slice.
-fn split_off<'a, T>(rest: &mut &'a mut [T], n: usize) -> &'a mut [T] {
+pub(super) fn split_off<'a, T>(rest: &mut &'a mut [T], n: usize) -> &'a mut [T] {
     let (first, others) = std::mem::take(rest).split_at_mut(n);
     *rest = others;
     first

@@ -132,7 +132,7 @@ impl Divide<'_> {
         if let Some(stored) = &mut self.stored {
             let bounds = [first, second].map(|child| child.node.bounds);
             let [a, b] = [0, 1].map(|i| (bounds[i], skipped[i]));
-            stored.split(node.bounds, [a, b]);
+            stored.split(node.bounds, [a, b], false);
         }
         if self.log.is_some() {
             let mut split = self.compare(node, active, chosen);

@@ -75,7 +75,7 @@ impl Divide<'_> {
         };
         let mut first_share = None;
         let sides = self.sides(split, part.directions);
-        self.store_split(cell, sides.map(|side| cell.half(side).bounds));
+        self.store_split(cell, sides.map(|side| cell.half(side).bounds), false);
         for (place, side) in sides.into_iter().enumerate() {
             self.store_child(place);
             let all = Range {

@@ -2,6 +2,7 @@
 
 use super::cell::Cell;
 use super::divide::{Divide, Part};
+use crate::geometry::Aabb;
 use crate::kernels::{Directions, Range, Side};
 
 impl Divide<'_> {
@@ -16,11 +17,16 @@ impl Divide<'_> {
             self.split(cell, part.triangles)
         };
         let Some(split) = split else {
-            return self.flush(cell, part);
+            return self.flush(part.rays, |divide, rays| {
+                divide.divide(cell, Part { rays, ..part });
+            });
         };
         self.counters.nodes += 1;
         let mut first_share = None;
-        for side in self.sides(split, part.directions) {
+        let sides = self.sides(split, part.directions);
+        self.store_split(cell, sides.map(|side| cell.half(side).bounds), true);
+        for (place, side) in sides.into_iter().enumerate() {
+            self.store_child(place);
             let all = Range {
                 from: self.terminated_cones,
                 to: part.rays,
@@ -38,6 +44,7 @@ impl Divide<'_> {
                 self.divide_packets(&half, inside);
             }
         }
+        self.store_child(2);
     }
 
     /// C ∩ E and P ∩ E, for a half E on one side of its cell.
@@ -46,10 +53,7 @@ impl Divide<'_> {
             from: self.terminated_cones,
             to: part.rays,
         };
-        self.counters.cone_box += list.len() as u64;
-        let origin = self.origins.min;
-        // SAFETY: the processor was checked, the list is one of cones around rays of this origin.
-        let cones = unsafe { (self.kernels.keep_cones)(&self.cones, list, &half.bounds, origin) };
+        let cones = self.filter_cones(&half.bounds, list);
         let triangles = match cones {
             0 => 0,
             _ => self.filter_triangles(half, side, part.triangles),
@@ -61,18 +65,26 @@ impl Divide<'_> {
         }
     }
 
-    /// FlushCones: goes on with the rays of the cones that are not done, then takes out the cones that
-    /// are.
-    fn flush(&mut self, cell: &Cell, part: Part) {
+    /// The number of cones that meet a cell, which come first in the list from now on.
+    pub(super) fn filter_cones(&mut self, cell: &Aabb, list: Range) -> usize {
+        self.counters.cone_box += list.len() as u64;
+        let origin = self.origins.min;
+        // SAFETY: the processor was checked, the list is one of cones around rays of this origin.
+        unsafe { (self.kernels.keep_cones)(&self.cones, list, cell, origin) }
+    }
+
+    /// FlushCones: goes on with the rays of the cones up to a pivot that are not done, which have a pivot of
+    /// their own, then takes out the cones that are.
+    pub(super) fn flush(&mut self, to: usize, go_on: impl FnOnce(&mut Self, usize)) {
         let before = self.terminated;
         let cones = Range {
             from: self.terminated_cones,
-            to: part.rays,
+            to,
         };
         // SAFETY: the processor was checked. The rays have room in their list, for each is either
         // done or in one cone.
         let rays = unsafe { (self.kernels.flush)(&self.cones, cones, &self.rays, before) };
-        self.divide(cell, Part { rays, ..part });
+        go_on(self, rays);
         // SAFETY: indices are those of rays and cones of the batch.
         unsafe {
             for i in before..self.terminated {

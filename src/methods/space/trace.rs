@@ -7,6 +7,7 @@ use crate::kernels::{Directions, Range};
 use crate::methods::Counters;
 use crate::methods::job::{Answer, Job, OCCLUDED, Trace};
 use crate::methods::observer::Observer;
+use crate::methods::stored::Sent;
 use crate::rays::MISS;
 
 /// Traces a batch by splitting space.
@@ -30,11 +31,6 @@ pub(in crate::methods) fn trace(
         Some(_) => parameters.variant,
         None => Variant::Random,
     };
-    let is_kept = stored.is_some() || sent.is_some();
-    assert!(
-        !is_kept || variant != Variant::Cones && !parameters.octants,
-        "of cones and octants no tree is kept"
-    );
     let any_hit = matches!(answer, Answer::Any(_));
     let (lists, cones) = (memory.lists(), memory.cones());
     let mut rays = memory.rays(job, any_hit);
@@ -91,15 +87,20 @@ pub(in crate::methods) fn trace(
         if let Some(stored) = &mut divide.stored {
             stored.filters_root = filters_root;
         }
+        let prepare_cones = || {
+            let least_cosine = libm::cos((parameters.widest_cone as f64).to_radians());
+            // SAFETY: as above; the batch shares its origin where there are cones.
+            unsafe { (kernels.prepare_cones)(batch, &rays, &cones, least_cosine as f32) }
+        };
         match (variant, sent) {
+            (Variant::Cones, Some((tree, how))) => {
+                assert_eq!(how, Sent::Together, "conic packets are sent together");
+                divide.send_packets(tree, prepare_cones());
+            }
             (_, Some((tree, how))) => divide.send(tree, all.rays, how),
             (Variant::Basic, None) => divide.divide(&root, all),
             (Variant::Cones, None) => {
-                // SAFETY: as above; the batch shares its origin.
-                let made = unsafe {
-                    let least_cosine = libm::cos((parameters.widest_cone as f64).to_radians());
-                    (kernels.prepare_cones)(batch, &rays, &cones, least_cosine as f32)
-                };
+                let made = prepare_cones();
                 let with = |rays| Part { rays, ..all };
                 if made.loose > 0 {
                     divide.divide(&root, with(made.loose));

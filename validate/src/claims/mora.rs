@@ -137,7 +137,10 @@ fn by_scene_in_range(
 /// C16: tests of rays sent one by one through stored splits.
 pub fn stored_twin(_: &Claim, pool: &Pool) -> Found {
     let cells = pool.batches.iter().flat_map(|batch| &batch.cells);
-    let twins: Vec<_> = cells.filter_map(|cell| cell.twin.as_ref()).collect();
+    let twins = cells.filter_map(|cell| cell.twin.as_ref());
+    let twins: Vec<_> = twins
+        .filter(|twin| twin.one_by_one_ray_box.is_some())
+        .collect();
     if twins.is_empty() {
         return Found::not_testable("no stored splits");
     }

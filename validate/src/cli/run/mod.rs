@@ -32,7 +32,7 @@ use dacrt_validate::results::{Cell, CellKey, Document, SCHEMA};
 use dacrt_validate::statistics::median;
 use reference::PeerTree;
 use std::time::Instant;
-use twin::{Original, has_twin};
+use twin::Original;
 
 pub use answers::Answers;
 pub use cells::BatchKey;
@@ -388,26 +388,25 @@ impl Bench<'_> {
         cells: &mut [Cell],
     ) {
         for entrant in entrants {
-            if has_twin(&entrant.parameters, cells[entrant.place].shared_origin) {
-                let workspace = workspaces.of(&entrant.parameters);
-                let original = Original {
-                    tracer: &entrant.tracer,
-                    mesh: self.mesh,
-                    batch,
-                    answers: &entrant.answers,
-                    repeats: self.plan.repeats,
-                };
-                let of_lists = matches!(entrant.parameters, Parameters::Object(_));
-                let twin = original.twin(workspace, primary.filter(|_| of_lists));
-                if !twin.is_equal() {
-                    let cell = &cells[entrant.place].key;
-                    self.progress.warn(&format!(
-                        "{} {} {}: other tests or hits by the stored splits",
-                        cell.scene, cell.rays, cell.method
-                    ));
-                }
-                cells[entrant.place].twin = Some(twin);
+            let workspace = workspaces.of(&entrant.parameters);
+            let original = Original {
+                tracer: &entrant.tracer,
+                parameters: &entrant.parameters,
+                mesh: self.mesh,
+                batch,
+                answers: &entrant.answers,
+                repeats: self.plan.repeats,
+            };
+            let of_lists = matches!(entrant.parameters, Parameters::Object(_));
+            let twin = original.twin(workspace, primary.filter(|_| of_lists));
+            if !twin.is_equal() {
+                let cell = &cells[entrant.place].key;
+                self.progress.warn(&format!(
+                    "{} {} {}: other tests or hits by the stored splits",
+                    cell.scene, cell.rays, cell.method
+                ));
             }
+            cells[entrant.place].twin = Some(twin);
         }
     }
 

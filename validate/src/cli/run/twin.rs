@@ -7,14 +7,12 @@ use dacrt_validate::measure::milliseconds;
 use dacrt_validate::results::{Reuse, Twin};
 use dacrt_validate::statistics::{median, paired_ratio};
 
-/// Whether a trace with these parameters can be stored.
-pub fn has_twin(parameters: &Parameters, shared_origin: bool) -> bool {
+/// Whether rays can be sent one by one through the splits of a trace: boxes are held against rays, and neither
+/// conic packets nor groups.
+fn is_of_rays(parameters: &Parameters, shared_origin: bool) -> bool {
     match parameters {
         Parameters::Object(_) => true,
-        Parameters::Space(space) => {
-            let takes_cones = shared_origin && space.variant == Variant::Cones;
-            !takes_cones && !space.octants
-        }
+        Parameters::Space(space) => !shared_origin || space.variant != Variant::Cones,
         Parameters::Best(_) => false,
     }
 }
@@ -22,6 +20,7 @@ pub fn has_twin(parameters: &Parameters, shared_origin: bool) -> bool {
 /// A trace whose answers have been validated.
 pub struct Original<'a> {
     pub tracer: &'a Tracer,
+    pub parameters: &'a Parameters,
     pub mesh: &'a Mesh,
     pub batch: &'a Batch,
     pub answers: &'a Answers,
@@ -36,8 +35,12 @@ impl Original<'_> {
         let mut room = Answers::room(self.batch.len(), any);
         let (trace, stored) = self.store(self.batch, workspace, &mut room);
         let mut differing_rays = room.differing(self.answers);
-        let (one_by_one, one_by_one_ms) = self.send(&stored, Sent::OneByOne, workspace, &mut room);
-        differing_rays += room.differing(self.answers);
+        let one_by_one = is_of_rays(self.parameters, trace.shared_origin).then(|| {
+            let sent = self.send(&stored, Sent::OneByOne, workspace, &mut room);
+            differing_rays += room.differing(self.answers);
+            sent
+        });
+        let counters = one_by_one.as_ref().map(|(sent, _)| sent.counters);
         let [of_trace, samples_ms] =
             self.in_turns(&stored, Sent::Together, workspace, &mut differing_rays);
         let over = paired_ratio(&of_trace, &samples_ms);
@@ -59,13 +62,13 @@ impl Original<'_> {
             triangles: stored.triangles(),
             ray_box: trace.counters.ray_box - stored.extra_box(),
             ray_triangle: trace.counters.ray_triangle,
-            one_by_one_ray_box: one_by_one.counters.ray_box,
-            one_by_one_ray_triangle: one_by_one.counters.ray_triangle,
+            one_by_one_ray_box: counters.map(|c| c.ray_box),
+            one_by_one_ray_triangle: counters.map(|c| c.ray_triangle),
+            one_by_one_ms: one_by_one.map(|(_, ms)| ms),
             differing_rays,
             median_ms: median(&samples_ms).unwrap_or(f64::NAN),
             trace_over_twin: over.map_or(f64::NAN, |r| r.ratio),
             trace_over_twin_interval: over.map_or([f64::NAN; 2], |r| r.interval),
-            one_by_one_ms,
             samples_ms,
             reuse,
         }
