@@ -6,6 +6,7 @@ mod command;
 
 use command::{Folder, TRIANGLE};
 use std::io::{BufRead, BufReader};
+use std::os::unix::process::CommandExt;
 use std::process::Stdio;
 
 const RUN: &str = "run --scenes ./tiny.json --resolution 8 --repeats 1";
@@ -92,9 +93,16 @@ fn an_interrupted_run_leaves_a_whole_file() {
     let folder = Folder::new();
     let line = "run --scenes ./tiny.json --resolution 64 --repeats 1000 --out out.json \
                 --rays primary,random,diffuse-1,diffuse-2,diffuse-3,diffuse-4,diffuse-5";
-    let mut child = (folder.command(line).stdout(Stdio::piped()))
-        .spawn()
-        .unwrap();
+    let mut command = folder.command(line);
+    // Tests that run in the background of a script have been told to ignore it, and so would the child.
+    let heed = || {
+        // SAFETY: the default action needs no handler.
+        unsafe { libc::signal(libc::SIGINT, libc::SIG_DFL) };
+        Ok(())
+    };
+    // SAFETY: signal may be called between fork and exec.
+    unsafe { command.pre_exec(heed) };
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
     // The first batch is in the table, so it is in the file.
     assert!(lines.any(|line| line.unwrap().starts_with("tiny ")));
