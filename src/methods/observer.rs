@@ -4,14 +4,15 @@ use super::object::Log;
 use super::stored::{Sent, Stored};
 use super::watch::Watch;
 
-pub(super) enum Observer<'a> {
-    None,
+/// Nobody, or one of these.
+#[derive(Default)]
+pub(super) struct Observer<'a> {
     /// Somebody watches one ray.
-    Ray(&'a mut Watch),
-    /// Nodes are written down.
-    Nodes(&'a mut Log),
+    pub watch: Option<&'a mut Watch>,
+    /// Nodes are written down, of lists of triangles.
+    pub log: Option<&'a mut Log>,
     /// Splits are kept.
-    Store(&'a mut Stored),
+    pub stored: Option<&'a mut Stored>,
     /// Rays are sent through splits that are there.
-    Send(&'a Stored, Sent),
+    pub sent: Option<(&'a Stored, Sent)>,
 }

@@ -118,7 +118,7 @@ impl Tracer {
             batch,
             workspace,
             Answer::Nearest(hits),
-            Observer::None,
+            Observer::default(),
         )
     }
 
@@ -141,7 +141,7 @@ impl Tracer {
             batch,
             workspace,
             Answer::Any(occluded),
-            Observer::None,
+            Observer::default(),
         )
     }
 
@@ -254,7 +254,10 @@ impl Tracer {
         hits: &mut Hits,
         through: (&Stored, Sent),
     ) -> Trace {
-        let observer = Observer::Send(through.0, through.1);
+        let observer = Observer {
+            sent: Some(through),
+            ..Default::default()
+        };
         self.trace(mesh, batch, workspace, Answer::Nearest(hits), observer)
     }
 
@@ -270,7 +273,10 @@ impl Tracer {
         occluded: &mut [u8],
         through: (&Stored, Sent),
     ) -> Trace {
-        let observer = Observer::Send(through.0, through.1);
+        let observer = Observer {
+            sent: Some(through),
+            ..Default::default()
+        };
         self.trace(mesh, batch, workspace, Answer::Any(occluded), observer)
     }
 
@@ -282,7 +288,10 @@ impl Tracer {
         answer: Answer,
     ) -> (Trace, Stored) {
         let mut stored = Stored::new();
-        let observer = Observer::Store(&mut stored);
+        let observer = Observer {
+            stored: Some(&mut stored),
+            ..Default::default()
+        };
         let trace = self.trace(mesh, batch, workspace, answer, observer);
         (trace, stored)
     }
@@ -305,7 +314,11 @@ impl Tracer {
             },
             steps: Vec::new(),
         };
-        let trace = self.trace(mesh, batch, workspace, answer, Observer::Ray(&mut watch));
+        let observer = Observer {
+            watch: Some(&mut watch),
+            ..Default::default()
+        };
+        let trace = self.trace(mesh, batch, workspace, answer, observer);
         (trace, watch.steps)
     }
 
@@ -319,7 +332,11 @@ impl Tracer {
         let is_logged = matches!(self.parameters, Parameters::Object(_));
         assert!(is_logged, "nodes are those of afra2012 and nabata2013");
         let mut log = Log::new();
-        let trace = self.trace(mesh, batch, workspace, answer, Observer::Nodes(&mut log));
+        let observer = Observer {
+            log: Some(&mut log),
+            ..Default::default()
+        };
+        let trace = self.trace(mesh, batch, workspace, answer, observer);
         (trace, log.records)
     }
 
@@ -363,13 +380,14 @@ impl Tracer {
             seed: self.seed,
             audit: self.audit,
         };
-        match &mut observer {
-            Observer::Ray(watch) => watch.ray.shared_origin = job.shared_origin,
-            Observer::Store(stored) => stored.mesh = mesh.len(),
-            Observer::Send(stored, _) => {
-                assert_eq!(stored.mesh, mesh.len(), "the mesh that the splits are of");
-            }
-            Observer::None | Observer::Nodes(_) => {}
+        if let Some(watch) = &mut observer.watch {
+            watch.ray.shared_origin = job.shared_origin;
+        }
+        if let Some(stored) = &mut observer.stored {
+            stored.mesh = mesh.len();
+        }
+        if let Some((stored, _)) = observer.sent {
+            assert_eq!(stored.mesh, mesh.len(), "the mesh that the splits are of");
         }
         match (&self.parameters, memory) {
             (Parameters::Object(p), Memory::Object(memory)) => {

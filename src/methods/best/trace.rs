@@ -32,14 +32,12 @@ pub(in crate::methods) fn trace(
 ) -> Trace {
     let batch = job.batch;
     let n = batch.len();
-    let (mut watch, mut stored, mut sent) = (None, None, None);
-    match observer {
-        Observer::None => {}
-        Observer::Ray(ray) => watch = Some(ray),
-        Observer::Nodes(_) => panic!("nodes are those of afra2012 and nabata2013"),
-        Observer::Store(tree) => stored = Some(tree),
-        Observer::Send(tree, how) => sent = Some((tree, how)),
-    }
+    let Observer {
+        mut watch,
+        stored,
+        sent,
+        ..
+    } = observer;
     // Whoever watches a ray sees it on one thread.
     let threads = match watch {
         Some(_) => 1,
@@ -107,7 +105,7 @@ pub(in crate::methods) fn trace(
             }),
         }
     }
-    if let Some(stored) = &mut stored {
+    if let Some(stored) = stored {
         stored.best = Some(splits.keep());
     }
     if let Answer::Nearest(hits) = answer {

@@ -19,14 +19,12 @@ pub(in crate::methods) fn trace(
     observer: Observer,
 ) -> Trace {
     let (n, kernels) = (job.batch.len(), job.kernels);
-    let (mut watch, mut log, mut stored, mut sent) = (None, None, None, None);
-    match observer {
-        Observer::None => {}
-        Observer::Ray(ray) => watch = Some(ray),
-        Observer::Nodes(nodes) => log = Some(nodes),
-        Observer::Store(tree) => stored = Some(tree),
-        Observer::Send(tree, how) => sent = Some((tree, how)),
-    }
+    let Observer {
+        mut watch,
+        log,
+        stored,
+        sent,
+    } = observer;
     let (t, prim) = match &mut answer {
         Answer::Nearest(hits) => {
             hits.prim.fill(MISS);

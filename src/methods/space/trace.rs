@@ -19,14 +19,12 @@ pub(in crate::methods) fn trace(
     observer: Observer,
 ) -> Trace {
     let (batch, kernels) = (job.batch, job.kernels);
-    let (mut watch, mut stored, mut sent) = (None, None, None);
-    match observer {
-        Observer::None => {}
-        Observer::Ray(ray) => watch = Some(ray),
-        Observer::Nodes(_) => panic!("nodes are those of afra2012 and nabata2013"),
-        Observer::Store(tree) => stored = Some(tree),
-        Observer::Send(tree, how) => sent = Some((tree, how)),
-    }
+    let Observer {
+        mut watch,
+        stored,
+        sent,
+        ..
+    } = observer;
     let variant = match job.shared_origin {
         Some(_) => parameters.variant,
         None => Variant::Random,
