@@ -67,6 +67,12 @@ pub struct MemoryUse {
 const LARGE: u32 = 1000;
 
 impl NodeStatistics {
+    /// Whether both are of the same batch with the same seed.
+    pub fn is_of_batch_of(&self, other: &NodeStatistics) -> bool {
+        (&self.scene, &self.camera, &self.rays) == (&other.scene, &other.camera, &other.rays)
+            && (self.resolution, self.spp, self.seed) == (other.resolution, other.spp, other.seed)
+    }
+
     /// Fills in all but the names from the nodes of a trace.
     pub fn count(mut self, nodes: &[NodeRecord]) -> NodeStatistics {
         let large = || nodes.iter().filter(|node| node.rays > LARGE);

@@ -8,6 +8,7 @@ mod mora;
 mod nabata;
 mod pool;
 mod study;
+mod values;
 
 pub use evidence::{Evidence, MemoryUse, NodeStatistics, list, write_list};
 pub use study::{Kind, Study, Variants};
@@ -175,6 +176,17 @@ fn falsified_below(estimate: &Estimate, limit: f64) -> Verdict {
     match () {
         _ if high < limit => Verdict::Contradicted,
         _ if low >= limit => Verdict::Supported,
+        _ => Verdict::Undecided,
+    }
+}
+
+/// Falsified where a quotient is further from 1 than this, either way.
+fn apart(quotient: &Estimate, difference: f64) -> Verdict {
+    let limits = [1.0 / (1.0 + difference), 1.0 + difference];
+    let [low, high] = quotient.interval;
+    match () {
+        _ if low > limits[1] || high < limits[0] => Verdict::Contradicted,
+        _ if low >= limits[0] && high <= limits[1] => Verdict::Supported,
         _ => Verdict::Undecided,
     }
 }
@@ -350,6 +362,18 @@ mod tests {
         assert_eq!(falsified_above(&of([0.9, 1.0]), 1.0), Verdict::Supported);
         assert_eq!(falsified_below(&of([1.1, 1.2]), 1.0), Verdict::Supported);
         assert_eq!(falsified_below(&of([0.8, 0.9]), 1.0), Verdict::Contradicted);
+    }
+
+    #[test]
+    fn a_quotient_is_apart_either_way() {
+        let of = |interval| Estimate {
+            value: 1.0,
+            interval,
+        };
+        assert_eq!(apart(&of([1.06, 1.1]), 0.05), Verdict::Contradicted);
+        assert_eq!(apart(&of([0.8, 0.9]), 0.05), Verdict::Contradicted);
+        assert_eq!(apart(&of([0.97, 1.03]), 0.05), Verdict::Supported);
+        assert_eq!(apart(&of([0.9, 1.03]), 0.05), Verdict::Undecided);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The claims of Mora 2011.
 
-use super::nabata::{apart, best_other};
 use super::pool::{Batch, Pool, counter, preset};
-use super::{Claim, Effect, Found, MemoryUse, Verdict, falsified_above, falsified_below};
+use super::values::best_other;
+use super::{Claim, Effect, Found, MemoryUse, Verdict, apart, falsified_above, falsified_below};
 use crate::estimate::{Quantity, estimate, geometric};
 use crate::statistics::{median, quantile};
 use dacrt::Method;
@@ -48,44 +48,31 @@ pub fn limits(claim: &Claim, pool: &Pool) -> Found {
 
 /// C15: ray/box tests a ray.
 pub fn tests_a_ray(claim: &Claim, pool: &Pool) -> Found {
-    let of = |batch: &Batch| {
-        let cell = batch.cell(&preset(Method::Mora2011))?;
-        Some(counter(cell, "ray_box") / cell.ray_count as f64)
-    };
     by_scene_in_range(
         claim,
         pool,
         "ray/box tests a ray, median of scenes",
-        &|scene| {
-            let batches = pool
-                .batches
-                .iter()
-                .filter(|b| is_primary(b) && b.key.scene == scene);
-            batches.filter_map(of).collect()
+        |batches| {
+            let batch = batches.iter().find(|batch| is_primary(batch))?;
+            let cell = batch.cell(&preset(Method::Mora2011))?;
+            Some(counter(cell, "ray_box") / cell.ray_count as f64)
         },
     )
 }
 
 /// C18: time of primary and shadow rays over that of primary rays.
 pub fn point_light(claim: &Claim, pool: &Pool) -> Found {
-    let cones = || preset(Method::Mora2011Cones);
     by_scene_in_range(
         claim,
         pool,
         "time with a light over that without, median of scenes",
-        &|scene| {
-            let views = pool.views(
-                |batch| batch.key.scene == scene,
-                |batches| {
-                    let ms = |rays: &str| {
-                        let batch = batches.iter().find(|batch| batch.key.rays == rays)?;
-                        batch.cell(&cones())?.median_ms
-                    };
-                    let (primary, shadow) = (ms(PRIMARY)?, ms("shadow-point")?);
-                    Some(vec![Quantity::Number((primary + shadow) / primary)])
-                },
-            );
-            views.iter().map(|view| view.values[0].value()).collect()
+        |batches| {
+            let ms = |rays: &str| {
+                let batch = batches.iter().find(|batch| batch.key.rays == rays)?;
+                batch.cell(&preset(Method::Mora2011Cones))?.median_ms
+            };
+            let (primary, shadow) = (ms(PRIMARY)?, ms("shadow-point")?);
+            Some((primary + shadow) / primary)
         },
     )
 }
@@ -95,12 +82,15 @@ fn by_scene_in_range(
     claim: &Claim,
     pool: &Pool,
     what: &str,
-    of: &dyn Fn(&str) -> Vec<f64>,
+    of_picture: impl Fn(&[&Batch]) -> Option<f64>,
 ) -> Found {
     let range = claim.limits["low"]..=claim.limits["high"];
     let (mut parts, mut medians) = (Vec::new(), Vec::new());
     for scene in pool.scenes() {
-        let values = of(scene);
+        let values = pool.by_camera(
+            |batch| batch.key.scene == scene,
+            |batches| of_picture(batches).map(Quantity::Number),
+        );
         let Some(value) = median(&values) else {
             continue;
         };

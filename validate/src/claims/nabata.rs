@@ -1,11 +1,13 @@
 //! The claims of Nabata 2013.
 
 use super::pool::{Batch, Pool, Who, counter, preset};
-use super::{Claim, Effect, Found, Verdict, falsified_above, falsified_below};
+use super::values::{OtherValue, best_other, effects, other_values};
+use super::{
+    Claim, Effect, Found, NodeStatistics, Verdict, apart, falsified_above, falsified_below,
+};
 use crate::estimate::{Estimate, Quantity, Seen, estimate, geometric, middle, trend};
 use crate::statistics::quantile;
 use dacrt::Method;
-use serde_json::Value;
 
 /// Fewer cameras than these have no range.
 const CAMERAS: usize = 5;
@@ -202,7 +204,7 @@ pub fn order_by_bounce(claim: &Claim, pool: &Pool) -> Found {
 /// C6: how far intersection ratios are from the ratios of areas, bounce by bounce.
 pub fn area_by_bounce(claim: &Claim, pool: &Pool) -> Found {
     let rays = pool.studies.first().map_or(&[][..], |study| &study.rays);
-    let views = of_nodes(pool, |nodes| {
+    let views = pool.node_views(|nodes| {
         let by_bounce = rays.iter().map(|rays| {
             let nodes = nodes.iter().find(|n| n.rays == *rays)?;
             Some(Quantity::Number(nodes.area_distance))
@@ -214,8 +216,8 @@ pub fn area_by_bounce(claim: &Claim, pool: &Pool) -> Found {
     };
     let mut parts = Vec::new();
     for rays in rays {
-        let only = |value: fn(&super::NodeStatistics) -> f64| {
-            of_nodes(pool, |nodes| {
+        let only = |value: fn(&NodeStatistics) -> f64| {
+            pool.node_views(|nodes| {
                 let nodes = nodes.iter().find(|n| n.rays == *rays)?;
                 Some(vec![Quantity::Number(value(nodes))])
             })
@@ -233,48 +235,27 @@ pub fn area_by_bounce(claim: &Claim, pool: &Pool) -> Found {
     }
 }
 
-/// The views of node statistics.
-fn of_nodes(
-    pool: &Pool,
-    values: impl Fn(&[&super::NodeStatistics]) -> Option<Vec<Quantity>>,
-) -> Vec<crate::estimate::View> {
-    let mut views: Vec<Vec<&super::NodeStatistics>> = Vec::new();
-    for &nodes in &pool.nodes {
-        let same = |of: &&mut Vec<&super::NodeStatistics>| {
-            let key = |n: &super::NodeStatistics| (n.scene.clone(), n.camera.clone(), n.seed);
-            key(of[0]) == key(nodes)
-        };
-        match views.iter_mut().find(same) {
-            Some(of) => of.push(nodes),
-            None => views.push(vec![nodes]),
-        }
-    }
-    (views.iter())
-        .filter_map(|of| {
-            Some(crate::estimate::View {
-                scene: of[0].scene.clone(),
-                values: values(of)?,
-            })
-        })
-        .collect()
-}
-
 /// C7: time at the best limit for skipping outside a range over that at the best one inside.
 pub fn best_skip(claim: &Claim, pool: &Pool) -> Found {
-    let mut times = compared(pool, Method::Nabata2013, "skip");
+    let mut limits = other_values(pool, Method::Nabata2013, "skip");
     // The paper's own value over itself.
-    times.push((0.5, "skip 0.5".to_owned(), Vec::new()));
-    let value = |views: &[_]| estimate(views, geometric).map_or(1.0, |e| e.value);
+    limits.push(OtherValue {
+        value: 0.5,
+        name: "skip 0.5".to_owned(),
+        views: Vec::new(),
+    });
+    let time = |limit: &OtherValue| limit.time().map_or(1.0, |e| e.value);
     let range = claim.limits["low"]..=claim.limits["high"];
     let best = |inside: bool| {
-        let some = times.iter().filter(|(at, ..)| range.contains(at) == inside);
-        some.min_by(|a, b| value(&a.2).total_cmp(&value(&b.2)))
+        let some = limits.iter().filter(|l| range.contains(&l.value) == inside);
+        let best = some.min_by(|a, b| time(a).total_cmp(&time(b)))?;
+        Some(best.value)
     };
-    let (Some((outside, ..)), Some((inside, ..))) = (best(false), best(true)) else {
+    let (Some(outside), Some(inside)) = (best(false), best(true)) else {
         return Found::not_testable("no limits for skipping");
     };
     let with = |limit: f64| sampling().with("skip", limit);
-    let Some(quotient) = estimate(&pool.times(&with(*outside), &with(*inside)), geometric) else {
+    let Some(quotient) = estimate(&pool.times(&with(outside), &with(inside)), geometric) else {
         return Found::not_testable("no limits for skipping");
     };
     Found {
@@ -283,7 +264,7 @@ pub fn best_skip(claim: &Claim, pool: &Pool) -> Found {
             format!("time at {outside} over that at {inside}"),
             quotient,
         )),
-        parts: effects(&times),
+        parts: effects(&limits),
         why: String::new(),
     }
 }
@@ -315,9 +296,8 @@ pub fn leaf_criterion(claim: &Claim, pool: &Pool) -> Found {
         ..most.clone()
     });
     parts.push(Effect::new("geometric mean of all", all));
-    let sum = |of: fn(&super::NodeStatistics) -> usize| {
-        pool.nodes.iter().map(|nodes| of(nodes) as f64).sum()
-    };
+    let sum =
+        |of: fn(&NodeStatistics) -> usize| pool.nodes.iter().map(|nodes| of(nodes) as f64).sum();
     parts.push(Effect::count("groups that gain", gains));
     parts.push(Effect::count(
         "leaves with more than 1,000 rays",
@@ -345,61 +325,15 @@ pub fn printed_values(claim: &Claim, pool: &Pool) -> Found {
     best_other(claim, pool, Method::Nabata2013, &names)
 }
 
-/// Time at the best other value of these parameters over that at the paper's.
-pub(super) fn best_other(claim: &Claim, pool: &Pool, method: Method, names: &[&str]) -> Found {
-    let all: Vec<_> = (names.iter())
-        .flat_map(|name| compared(pool, method, name))
-        .collect();
-    let of = |views: &[_]| estimate(views, geometric);
-    let best = (all.iter())
-        .filter_map(|(_, name, views)| Some((name, of(views)?)))
-        .min_by(|a, b| a.1.value.total_cmp(&b.1.value));
-    let Some((name, time)) = best else {
-        return Found::not_testable("no other values");
-    };
-    Found {
-        verdict: falsified_below(&time, 1.0 - claim.limits["gain"]),
-        effect: Some(Effect::new(
-            format!("time at {name} over the paper's"),
-            time,
-        )),
-        parts: effects(&all),
-        why: String::new(),
-    }
-}
-
-/// The values of a parameter in the studies, each with its name and the times over those of the paper's.
-fn compared(
-    pool: &Pool,
-    method: Method,
-    name: &str,
-) -> Vec<(f64, String, Vec<crate::estimate::View>)> {
-    let lists = pool.studies.iter();
-    let lists = lists.filter_map(|study| study.methods.get(method.name())?.get(name));
-    let mut values: Vec<&Value> = lists.flatten().collect();
-    values.dedup();
-    let of = |value: &&Value| {
-        let with = preset(method).with(name, (*value).clone());
-        let text = format!("{name} {value}");
-        let views = pool.times(&with, &preset(method));
-        (value.as_f64().unwrap_or(f64::NAN), text, views)
-    };
-    values.iter().map(of).collect()
-}
-
-fn effects(times: &[(f64, String, Vec<crate::estimate::View>)]) -> Vec<Effect> {
-    let effect = |(_, name, views): &(f64, String, Vec<_>)| {
-        Some(Effect::new(name.clone(), estimate(views, geometric)?))
-    };
-    times.iter().filter_map(effect).collect()
-}
-
 /// C10: the acceleration ratio of each bounce of each scene.
 pub fn every_bounce(claim: &Claim, pool: &Pool) -> Found {
     let ratio = |batch: &Batch| batch.times(&baseline(), &sampling());
     let mut worst: Option<(String, Estimate)> = None;
     let (mut parts, mut verdict) = (Vec::new(), Verdict::Supported);
-    for (scene, rays) in groups(pool) {
+    let bounces = groups(pool)
+        .into_iter()
+        .filter(|(_, rays)| *rays != "primary");
+    for (scene, rays) in bounces {
         let group = |b: &Batch| (b.key.scene.as_str(), b.key.rays.as_str()) == (scene, rays);
         let Some(ratio) = estimate(&pool.each(group, ratio), geometric) else {
             continue;
@@ -433,7 +367,7 @@ pub fn up_to_two(claim: &Claim, pool: &Pool) -> Found {
     let Some(size) = sizes(pool).pop() else {
         return Found::not_testable("no pictures");
     };
-    let whole = pool.studies[0].rays.len();
+    let ray_types = pool.studies[0].rays.len();
     let sum = |batches: &[&Batch], who: &Who| {
         let samples = batches
             .iter()
@@ -443,15 +377,14 @@ pub fn up_to_two(claim: &Claim, pool: &Pool) -> Found {
         let of = |i: usize| samples.iter().map(|s| s[i]).sum();
         Some((0..repeats).map(of).collect::<Vec<f64>>())
     };
-    let views = pool.views(
-        |batch| batch.size() == size,
-        |batches| {
-            let whole = batches.len() == whole;
-            let times = [sum(batches, &baseline())?, sum(batches, &sampling())?];
-            whole.then(|| vec![Quantity::Times(times)])
-        },
-    );
-    let ratios: Vec<f64> = views.iter().map(|view| view.values[0].value()).collect();
+    let picture = |batches: &[&Batch]| {
+        let is_whole = batches.len() + pool.empty_beside(batches[0]) == ray_types;
+        let times = [sum(batches, &baseline())?, sum(batches, &sampling())?];
+        is_whole.then_some(Quantity::Times(times))
+    };
+    let is_largest = |batch: &Batch| batch.size() == size;
+    let views = pool.views(is_largest, |batches| Some(vec![picture(batches)?]));
+    let ratios = pool.by_camera(is_largest, picture);
     let Some(mean) = estimate(&views, geometric) else {
         return Found::not_testable("no whole picture");
     };
@@ -459,7 +392,7 @@ pub fn up_to_two(claim: &Claim, pool: &Pool) -> Found {
     let side = f64::from(size[0]) * f64::from(size[1]).sqrt();
     let why = format!("pictures of {side} x {side} rays");
     let mut parts = vec![Effect::count("greatest", greatest)];
-    let cameras = pool.extent().cameras;
+    let cameras = ratios.len();
     if cameras < CAMERAS {
         parts.push(Effect::new("mean", mean));
         return Found {
@@ -547,17 +480,6 @@ pub fn samples_as_pixels(claim: &Claim, pool: &Pool) -> Found {
     }
 }
 
-/// Falsified where a quotient is further from 1 than this, either way.
-pub(super) fn apart(quotient: &Estimate, difference: f64) -> Verdict {
-    let limits = [1.0 / (1.0 + difference), 1.0 + difference];
-    let [low, high] = quotient.interval;
-    match () {
-        _ if low > limits[1] || high < limits[0] => Verdict::Contradicted,
-        _ if low >= limits[0] && high <= limits[1] => Verdict::Supported,
-        _ => Verdict::Undecided,
-    }
-}
-
 /// Scenes and ray types that there are batches of.
 fn groups<'p>(pool: &'p Pool) -> Vec<(&'p str, &'p str)> {
     let mut groups: Vec<(&str, &str)> = Vec::new();
@@ -584,22 +506,5 @@ fn of_size(what: &str, [side, spp]: [u32; 2]) -> String {
     match spp {
         1 => format!("{what}, {side} x {side}"),
         _ => format!("{what}, {side} x {side} x {spp}"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_quotient_is_apart_either_way() {
-        let of = |interval| Estimate {
-            value: 1.0,
-            interval,
-        };
-        assert_eq!(apart(&of([1.06, 1.1]), 0.05), Verdict::Contradicted);
-        assert_eq!(apart(&of([0.8, 0.9]), 0.05), Verdict::Contradicted);
-        assert_eq!(apart(&of([0.97, 1.03]), 0.05), Verdict::Supported);
-        assert_eq!(apart(&of([0.9, 1.03]), 0.05), Verdict::Undecided);
     }
 }

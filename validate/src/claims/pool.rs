@@ -4,13 +4,17 @@ use super::{Claim, Claims, Evidence, Kind, MemoryUse, NodeStatistics, Study};
 use crate::estimate::{Quantity, View};
 use crate::parameters::own_fields;
 use crate::results::{Cell, CellKey};
+use crate::statistics::geometric_mean;
 use dacrt::Method;
 use serde_json::{Map, Value};
+use std::collections::BTreeSet;
 
 /// What a claim is judged by.
 pub struct Pool<'a> {
     pub studies: Vec<&'a Study>,
     pub batches: Vec<Batch<'a>>,
+    /// Batches without rays, and their seeds.
+    empty: Vec<(u64, &'a CellKey)>,
     pub nodes: Vec<&'a NodeStatistics>,
     pub memory: &'a [MemoryUse],
 }
@@ -99,13 +103,17 @@ impl<'a> Pool<'a> {
         let studies: Vec<&Study> = (claim.studies.iter())
             .map(|name| &claims.studies[name])
             .collect();
-        let mut batches: Vec<Batch> = Vec::new();
+        let (mut batches, mut empty) = (Vec::<Batch>::new(), Vec::new());
         for document in &evidence.documents {
             for cell in &document.cells {
                 let is_in = |study: &&&Study| takes(study, cell);
                 let Some(study) = studies.iter().find(is_in) else {
                     continue;
                 };
+                if cell.ray_count == 0 {
+                    empty.push((document.seed, &cell.key));
+                    continue;
+                }
                 let same = |batch: &&mut Batch| {
                     batch.seed == document.seed && batch.key.batch() == cell.key.batch()
                 };
@@ -136,7 +144,24 @@ impl<'a> Pool<'a> {
             memory: if has_memory { &evidence.memory } else { &[] },
             studies,
             batches,
+            empty,
         }
+    }
+
+    /// How many ray types of a batch's picture have no rays: nothing that mirrors is in sight.
+    pub fn empty_beside(&self, batch: &Batch) -> usize {
+        let picture = |key: &CellKey| {
+            (
+                key.scene.clone(),
+                key.camera.clone(),
+                key.resolution,
+                key.spp,
+            )
+        };
+        let beside = (self.empty.iter())
+            .filter(|(seed, key)| *seed == batch.seed && picture(key) == picture(batch.key));
+        let rays: BTreeSet<&str> = beside.map(|(_, key)| key.rays.as_str()).collect();
+        rays.len()
     }
 
     /// The views of some batches: of each camera with each seed what `values` makes of its batches, in the
@@ -146,20 +171,49 @@ impl<'a> Pool<'a> {
         some: impl Fn(&Batch) -> bool,
         values: impl Fn(&[&Batch]) -> Option<Vec<Quantity>>,
     ) -> Vec<View> {
-        let mut views: Vec<Vec<&Batch>> = Vec::new();
-        for batch in self.batches.iter().filter(|batch| some(batch)) {
-            match views.iter_mut().find(|of| of[0].view() == batch.view()) {
-                Some(of) => of.push(batch),
-                None => views.push(vec![batch]),
-            }
-        }
+        let some = self.batches.iter().filter(|batch| some(batch));
         let view = |batches: &Vec<&Batch>| {
             Some(View {
                 scene: batches[0].key.scene.clone(),
                 values: values(batches).filter(|values| !values.is_empty())?,
             })
         };
-        views.iter().filter_map(view).collect()
+        (grouped(some, |batch| batch.view()).iter())
+            .filter_map(view)
+            .collect()
+    }
+
+    /// Of each camera the geometric mean over its seeds of what `value` makes of its batches.
+    pub fn by_camera(
+        &self,
+        some: impl Fn(&Batch) -> bool,
+        value: impl Fn(&[&Batch]) -> Option<Quantity>,
+    ) -> Vec<f64> {
+        let some = self.batches.iter().filter(|batch| some(batch));
+        let cameras = grouped(some, |batch| (&batch.key.scene, &batch.key.camera));
+        let mean = |batches: &Vec<&Batch>| {
+            let seeds = grouped(batches.iter().copied(), |batch| batch.seed);
+            let values = seeds.iter().filter_map(|of| Some(value(of)?.value()));
+            geometric_mean(&values.collect::<Vec<f64>>())
+        };
+        cameras.iter().filter_map(mean).collect()
+    }
+
+    /// The views of node statistics.
+    pub fn node_views(
+        &self,
+        values: impl Fn(&[&NodeStatistics]) -> Option<Vec<Quantity>>,
+    ) -> Vec<View> {
+        let view = |nodes: &Vec<&NodeStatistics>| {
+            Some(View {
+                scene: nodes[0].scene.clone(),
+                values: values(nodes)?,
+            })
+        };
+        let key = |nodes: &NodeStatistics| (nodes.scene.clone(), nodes.camera.clone(), nodes.seed);
+        (grouped(self.nodes.iter().copied(), key).iter())
+            .filter_map(view)
+            .collect()
     }
 
     /// Likewise, with a value for each batch that has one.
@@ -211,6 +265,21 @@ impl<'a> Pool<'a> {
     }
 }
 
+/// Items of the same key together, in the order in which they come.
+fn grouped<'t, T, K: PartialEq>(
+    items: impl Iterator<Item = &'t T>,
+    key: impl Fn(&'t T) -> K,
+) -> Vec<Vec<&'t T>> {
+    let mut groups: Vec<Vec<&T>> = Vec::new();
+    for item in items {
+        match groups.iter_mut().find(|group| key(group[0]) == key(item)) {
+            Some(group) => group.push(item),
+            None => groups.push(vec![item]),
+        }
+    }
+    groups
+}
+
 fn place(rays: &[String], of: &str) -> usize {
     let place = rays.iter().position(|rays| rays == of);
     place.unwrap_or(rays.len())
@@ -228,7 +297,6 @@ fn takes(study: &Study, cell: &Cell) -> bool {
     let [width, height] = key.resolution;
     kind && width == height
         && !cell.is_wrong()
-        && cell.ray_count > 0
         && study.scenes.contains(&key.scene)
         && study.rays.contains(&key.rays)
         && study.methods.contains_key(&key.method)

@@ -117,20 +117,7 @@ fn nodes(extent: &Extent, study: &Study, out: &Path) -> anyhow::Result<()> {
                         seed,
                         ..Default::default()
                     };
-                    let same = |other: &NodeStatistics| {
-                        let key = |n: &NodeStatistics| {
-                            (
-                                n.scene.clone(),
-                                n.camera.clone(),
-                                n.resolution,
-                                n.spp,
-                                n.rays.clone(),
-                                n.seed,
-                            )
-                        };
-                        key(other) == key(&entry)
-                    };
-                    missing |= !all.iter().any(same);
+                    missing |= !all.iter().any(|other| other.is_of_batch_of(&entry));
                     batches.push((camera, entry));
                 }
             }
@@ -152,12 +139,7 @@ fn nodes(extent: &Extent, study: &Study, out: &Path) -> anyhow::Result<()> {
             let mut answers = Answers::room(batch.len(), rays.is_any_hit());
             let (_, records) = answers.log(&tracer, &mesh, &batch, &mut workspace);
             let entry = entry.count(&records);
-            all.retain(|other| {
-                (&other.scene, &other.camera, &other.rays)
-                    != (&entry.scene, &entry.camera, &entry.rays)
-                    || (other.seed, other.resolution, other.spp)
-                        != (seed, entry.resolution, entry.spp)
-            });
+            all.retain(|other| !other.is_of_batch_of(&entry));
             all.push(entry);
         }
         write_list(out, &all)?;
