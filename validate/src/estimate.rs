@@ -65,6 +65,21 @@ fn quotient(above: &[f64], below: &[f64]) -> f64 {
     (median(above).zip(median(below))).map_or(f64::NAN, |(above, below)| above / below)
 }
 
+/// Items of the same key together, in the order in which they come.
+pub(crate) fn grouped<'t, T, K: PartialEq>(
+    items: impl Iterator<Item = &'t T>,
+    key: impl Fn(&'t T) -> K,
+) -> Vec<Vec<&'t T>> {
+    let mut groups: Vec<Vec<&T>> = Vec::new();
+    for item in items {
+        match groups.iter_mut().find(|group| key(group[0]) == key(item)) {
+            Some(group) => group.push(item),
+            None => groups.push(vec![item]),
+        }
+    }
+    groups
+}
+
 /// A statistic of all views, with its interval: the views of each scene are drawn anew, and the repeats of
 /// each time (pairs together); the scenes are those that there are. Of one view a scene the interval tells
 /// about repeats only. `None` without views.
@@ -72,13 +87,7 @@ pub fn estimate(views: &[View], statistic: impl Fn(&[Seen]) -> f64) -> Option<Es
     if views.is_empty() {
         return None;
     }
-    let mut scenes: Vec<Vec<&View>> = Vec::new();
-    for view in views {
-        match scenes.iter_mut().find(|of| of[0].scene == view.scene) {
-            Some(of) => of.push(view),
-            None => scenes.push(vec![view]),
-        }
-    }
+    let scenes = grouped(views.iter(), |view| &view.scene);
     let mut random = fastrand::Rng::with_seed(1);
     let mut drawn: Vec<f64> = (0..RESAMPLES)
         .map(|_| {

@@ -317,6 +317,13 @@ fn rule(id: &str) -> Rule {
 mod tests {
     use super::*;
 
+    fn of(interval: [f64; 2]) -> Estimate {
+        Estimate {
+            value: 1.0,
+            interval,
+        }
+    }
+
     #[test]
     fn every_claim_has_a_rule_and_every_study_a_claim() {
         let all = Claims::load(None).unwrap();
@@ -353,10 +360,6 @@ mod tests {
 
     #[test]
     fn an_interval_on_both_sides_of_a_limit_decides_nothing() {
-        let of = |interval| Estimate {
-            value: 1.0,
-            interval,
-        };
         assert_eq!(falsified_above(&of([1.1, 1.2]), 1.0), Verdict::Contradicted);
         assert_eq!(falsified_above(&of([0.9, 1.2]), 1.0), Verdict::Undecided);
         assert_eq!(falsified_above(&of([0.9, 1.0]), 1.0), Verdict::Supported);
@@ -366,10 +369,6 @@ mod tests {
 
     #[test]
     fn a_quotient_is_apart_either_way() {
-        let of = |interval| Estimate {
-            value: 1.0,
-            interval,
-        };
         assert_eq!(apart(&of([1.06, 1.1]), 0.05), Verdict::Contradicted);
         assert_eq!(apart(&of([0.8, 0.9]), 0.05), Verdict::Contradicted);
         assert_eq!(apart(&of([0.97, 1.03]), 0.05), Verdict::Supported);

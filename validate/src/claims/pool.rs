@@ -1,7 +1,7 @@
 //! The cells of a claim's studies, batch by batch.
 
 use super::{Claim, Claims, Evidence, Kind, MemoryUse, NodeStatistics, Study};
-use crate::estimate::{Quantity, View};
+use crate::estimate::{Quantity, View, grouped};
 use crate::parameters::own_fields;
 use crate::results::{Cell, CellKey};
 use crate::statistics::geometric_mean;
@@ -183,6 +183,17 @@ impl<'a> Pool<'a> {
             .collect()
     }
 
+    /// Likewise, with a value for each batch that has one.
+    pub fn each(
+        &self,
+        some: impl Fn(&Batch) -> bool,
+        value: impl Fn(&Batch) -> Option<Quantity>,
+    ) -> Vec<View> {
+        self.views(some, |batches| {
+            Some(batches.iter().filter_map(|batch| value(batch)).collect())
+        })
+    }
+
     /// Of each camera the geometric mean over its seeds of what `value` makes of its batches.
     pub fn by_camera(
         &self,
@@ -214,17 +225,6 @@ impl<'a> Pool<'a> {
         (grouped(self.nodes.iter().copied(), key).iter())
             .filter_map(view)
             .collect()
-    }
-
-    /// Likewise, with a value for each batch that has one.
-    pub fn each(
-        &self,
-        some: impl Fn(&Batch) -> bool,
-        value: impl Fn(&Batch) -> Option<Quantity>,
-    ) -> Vec<View> {
-        self.views(some, |batches| {
-            Some(batches.iter().filter_map(|batch| value(batch)).collect())
-        })
     }
 
     /// Times of two contestants in all batches that have both.
@@ -263,21 +263,6 @@ impl<'a> Pool<'a> {
             batches: self.batches.len() + self.nodes.len(),
         }
     }
-}
-
-/// Items of the same key together, in the order in which they come.
-fn grouped<'t, T, K: PartialEq>(
-    items: impl Iterator<Item = &'t T>,
-    key: impl Fn(&'t T) -> K,
-) -> Vec<Vec<&'t T>> {
-    let mut groups: Vec<Vec<&T>> = Vec::new();
-    for item in items {
-        match groups.iter_mut().find(|group| key(group[0]) == key(item)) {
-            Some(group) => group.push(item),
-            None => groups.push(vec![item]),
-        }
-    }
-    groups
 }
 
 fn place(rays: &[String], of: &str) -> usize {
