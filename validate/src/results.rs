@@ -252,7 +252,8 @@ pub struct EmbreeTimes {
     pub best_trace_ms: f64,
     /// Medians of the builds.
     pub build_ms: BTreeMap<String, f64>,
-    /// Medians of the traces.
+    /// Medians of the traces, by quality and query: `low_1`, `medium_16`, `high_16_coherent`; 8 in the place of
+    /// 16 where Embree's vectors have 8 lanes, 4 where they have 4.
     pub trace_ms: BTreeMap<String, f64>,
     /// All samples, of builds and of traces.
     pub samples_ms: BTreeMap<String, Vec<f64>>,

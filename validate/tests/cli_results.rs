@@ -3,6 +3,7 @@
 mod command;
 
 use command::Folder;
+use dacrt_validate::embree::{Device, Query};
 use serde_json::{Value, json};
 
 /// The shape of the document. A key may be null where its value here is; an array here stands for
@@ -23,7 +24,7 @@ fn shape() -> Value {
     exact["rays"] = 0.into();
     let qualities = |item: Value| json!({ "low": item, "medium": item, "high": item });
     let each = |item: Value| {
-        let queries = ["1", "16", "16_coherent"];
+        let queries = Device::new(1).unwrap().queries().map(Query::name);
         let names = ["low", "medium", "high"].into_iter();
         let names = names.flat_map(|q| queries.map(|n| (format!("{q}_{n}"), item.clone())));
         Value::Object(names.collect())

@@ -4,7 +4,7 @@ use dacrt::scene::generators::generate;
 use dacrt::workloads::{Camera, Film, RayType, View, Workload};
 use dacrt::{Batch, Hits, Mesh, Method, Precision, Tracer};
 use dacrt_validate::diff::{Checker, Diff};
-use dacrt_validate::embree::{Device, Quality, Query, Scene};
+use dacrt_validate::embree::{Device, Lanes, Quality, Query, Scene};
 use dacrt_validate::hash::hit_hash;
 use dacrt_validate::judge::{Answers, Judge};
 use glam::DVec3;
@@ -24,8 +24,8 @@ fn check(judge: &Judge, [fast, robust]: &[Scene; 2], batch: &Batch, any_hit: boo
         let tracer = Tracer::new(Method::Nabata2013.parameters());
         let mut workspace = tracer.workspace(n, judge.mesh().len());
         tracer.any(judge.mesh(), batch, &mut workspace, &mut ours);
-        fast.any(batch, Query::Packet16, &mut of_fast);
-        robust.any(batch, Query::Packet16, &mut of_robust);
+        fast.any(batch, Query::Packet(Lanes::Sixteen), &mut of_fast);
+        robust.any(batch, Query::Packet(Lanes::Sixteen), &mut of_robust);
         let ours = Answers::Any(&ours);
         let (of_fast, of_robust) = (Answers::Any(&of_fast), Answers::Any(&of_robust));
         Checker::new(judge, batch, of_fast, of_robust, 1000, 1).check(
@@ -36,8 +36,8 @@ fn check(judge: &Judge, [fast, robust]: &[Scene; 2], batch: &Batch, any_hit: boo
     } else {
         let ours = trace(judge.mesh(), batch);
         let [mut of_fast, mut of_robust] = [(); 2].map(|()| Hits::misses(n));
-        fast.nearest(batch, Query::Packet16, &mut of_fast);
-        robust.nearest(batch, Query::Packet16, &mut of_robust);
+        fast.nearest(batch, Query::Packet(Lanes::Sixteen), &mut of_fast);
+        robust.nearest(batch, Query::Packet(Lanes::Sixteen), &mut of_robust);
         let ours = Answers::Nearest(&ours);
         let (of_fast, of_robust) = (Answers::Nearest(&of_fast), Answers::Nearest(&of_robust));
         Checker::new(judge, batch, of_fast, of_robust, 1000, 1).check(

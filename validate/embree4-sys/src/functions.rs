@@ -46,17 +46,41 @@ unsafe extern "C" {
     pub fn rtcGetSceneBounds(scene: RTCScene, bounds: *mut RTCBounds);
 
     pub fn rtcIntersect1(scene: RTCScene, rayhit: *mut RTCRayHit, args: *mut RTCIntersectArguments);
+    pub fn rtcIntersect4(
+        valid: *const c_int,
+        scene: RTCScene,
+        rayhit: *mut RTCRayHits<4>,
+        args: *mut RTCIntersectArguments,
+    );
+    pub fn rtcIntersect8(
+        valid: *const c_int,
+        scene: RTCScene,
+        rayhit: *mut RTCRayHits<8>,
+        args: *mut RTCIntersectArguments,
+    );
     pub fn rtcIntersect16(
         valid: *const c_int,
         scene: RTCScene,
-        rayhit: *mut RTCRayHit16,
+        rayhit: *mut RTCRayHits<16>,
         args: *mut RTCIntersectArguments,
     );
     pub fn rtcOccluded1(scene: RTCScene, ray: *mut RTCRay, args: *mut RTCOccludedArguments);
+    pub fn rtcOccluded4(
+        valid: *const c_int,
+        scene: RTCScene,
+        ray: *mut RTCRays<4>,
+        args: *mut RTCOccludedArguments,
+    );
+    pub fn rtcOccluded8(
+        valid: *const c_int,
+        scene: RTCScene,
+        ray: *mut RTCRays<8>,
+        args: *mut RTCOccludedArguments,
+    );
     pub fn rtcOccluded16(
         valid: *const c_int,
         scene: RTCScene,
-        ray: *mut RTCRay16,
+        ray: *mut RTCRays<16>,
         args: *mut RTCOccludedArguments,
     );
 }

@@ -2,7 +2,7 @@
 //!
 //! Written by hand in the place of the published `embree4-sys` 0.0.10, whose headers are 4.2: from
 //! Embree 4.3 on a hit has one more field, `instPrimID`, and the library writes it past the end of
-//! the structures that those bindings reserve. Here [`RTCRayHit`] and [`RTCRayHit16`] have room
+//! the structures that those bindings reserve. Here [`RTCRayHit`] and [`RTCRayHits`] have room
 //! for it, so they are right for every 4.x. The names are those of the C headers with prefixes of
 //! constants left out, as in the published crate; Embree's manual says what they mean.
 //!

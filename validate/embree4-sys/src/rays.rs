@@ -1,6 +1,7 @@
-//! Rays and hits, single and 16 wide.
+//! Rays and hits, single and 4, 8 or 16 wide.
 
 use super::RTC_INVALID_GEOMETRY_ID;
+use std::mem::offset_of;
 
 /// A single ray. `tfar` becomes the distance of the nearest hit, or `-inf` if a query for any hit
 /// finds one.
@@ -91,91 +92,94 @@ const _: () = assert!(size_of::<RTCRay>() == 48);
 const _: () = assert!(size_of::<RTCHit>() == 32);
 const _: () = assert!(size_of::<RTCRayHit>() == 96);
 
-/// 16 rays; see [`RTCRay`].
+/// `RTCRay4`, `RTCRay8` or `RTCRay16`, as N says; see [`RTCRay`].
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)]
-pub struct RTCRay16 {
-    pub org_x: [f32; 16],
-    pub org_y: [f32; 16],
-    pub org_z: [f32; 16],
-    pub tnear: [f32; 16],
-    pub dir_x: [f32; 16],
-    pub dir_y: [f32; 16],
-    pub dir_z: [f32; 16],
-    pub time: [f32; 16],
-    pub tfar: [f32; 16],
-    pub mask: [u32; 16],
-    pub id: [u32; 16],
-    pub flags: [u32; 16],
+pub struct RTCRays<const N: usize> {
+    pub org_x: [f32; N],
+    pub org_y: [f32; N],
+    pub org_z: [f32; N],
+    pub tnear: [f32; N],
+    pub dir_x: [f32; N],
+    pub dir_y: [f32; N],
+    pub dir_z: [f32; N],
+    pub time: [f32; N],
+    pub tfar: [f32; N],
+    pub mask: [u32; N],
+    pub id: [u32; N],
+    pub flags: [u32; N],
 }
 
-impl Default for RTCRay16 {
-    /// 16 times [`RTCRay::default`].
+impl<const N: usize> Default for RTCRays<N> {
+    /// N times [`RTCRay::default`].
     fn default() -> Self {
-        RTCRay16 {
-            org_x: [0.0; 16],
-            org_y: [0.0; 16],
-            org_z: [0.0; 16],
-            tnear: [0.0; 16],
-            dir_x: [0.0; 16],
-            dir_y: [0.0; 16],
-            dir_z: [0.0; 16],
-            time: [0.0; 16],
-            tfar: [f32::INFINITY; 16],
-            mask: [u32::MAX; 16],
-            id: [0; 16],
-            flags: [0; 16],
+        RTCRays {
+            org_x: [0.0; N],
+            org_y: [0.0; N],
+            org_z: [0.0; N],
+            tnear: [0.0; N],
+            dir_x: [0.0; N],
+            dir_y: [0.0; N],
+            dir_z: [0.0; N],
+            time: [0.0; N],
+            tfar: [f32::INFINITY; N],
+            mask: [u32::MAX; N],
+            id: [0; N],
+            flags: [0; N],
         }
     }
 }
 
-/// What 16 rays hit. `instPrimID` is written from Embree 4.3 on.
+/// `RTCHit4`, `RTCHit8` or `RTCHit16`. `instPrimID` is written from Embree 4.3 on.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)]
-pub struct RTCHit16 {
-    pub Ng_x: [f32; 16],
-    pub Ng_y: [f32; 16],
-    pub Ng_z: [f32; 16],
-    pub u: [f32; 16],
-    pub v: [f32; 16],
-    pub primID: [u32; 16],
-    pub geomID: [u32; 16],
-    pub instID: [[u32; 16]; 1],
-    pub instPrimID: [[u32; 16]; 1],
+pub struct RTCHits<const N: usize> {
+    pub Ng_x: [f32; N],
+    pub Ng_y: [f32; N],
+    pub Ng_z: [f32; N],
+    pub u: [f32; N],
+    pub v: [f32; N],
+    pub primID: [u32; N],
+    pub geomID: [u32; N],
+    pub instID: [[u32; N]; 1],
+    pub instPrimID: [[u32; N]; 1],
 }
 
-impl Default for RTCHit16 {
+impl<const N: usize> Default for RTCHits<N> {
     /// No hits.
     fn default() -> Self {
-        RTCHit16 {
-            Ng_x: [0.0; 16],
-            Ng_y: [0.0; 16],
-            Ng_z: [0.0; 16],
-            u: [0.0; 16],
-            v: [0.0; 16],
-            primID: [RTC_INVALID_GEOMETRY_ID; 16],
-            geomID: [RTC_INVALID_GEOMETRY_ID; 16],
-            instID: [[RTC_INVALID_GEOMETRY_ID; 16]],
-            instPrimID: [[RTC_INVALID_GEOMETRY_ID; 16]],
+        RTCHits {
+            Ng_x: [0.0; N],
+            Ng_y: [0.0; N],
+            Ng_z: [0.0; N],
+            u: [0.0; N],
+            v: [0.0; N],
+            primID: [RTC_INVALID_GEOMETRY_ID; N],
+            geomID: [RTC_INVALID_GEOMETRY_ID; N],
+            instID: [[RTC_INVALID_GEOMETRY_ID; N]],
+            instPrimID: [[RTC_INVALID_GEOMETRY_ID; N]],
         }
     }
 }
 
-/// 16 rays and what they hit.
+/// `RTCRayHit4`, `RTCRayHit8` or `RTCRayHit16`: rays and what they hit.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(missing_docs)]
-pub struct RTCRayHit16 {
-    pub ray: RTCRay16,
-    pub hit: RTCHit16,
+pub struct RTCRayHits<const N: usize> {
+    pub ray: RTCRays<N>,
+    pub hit: RTCHits<N>,
 }
 
-const _: () = assert!(size_of::<RTCRay16>() == 12 * 64);
-const _: () = assert!(size_of::<RTCHit16>() == 9 * 64);
+// Fields lie where C has them, whatever padding the alignment of 64 adds at the end.
+const _: () = assert!(offset_of!(RTCRayHits<4>, hit) == 12 * 4 * 4);
+const _: () = assert!(offset_of!(RTCRayHits<8>, hit) == 12 * 4 * 8);
+const _: () = assert!(offset_of!(RTCRayHits<16>, hit) == 12 * 4 * 16);
+const _: () = assert!(size_of::<RTCHits<16>>() == 9 * 4 * 16);
 
-/// Which of 16 rays take part: -1 for yes, 0 for no. Aligned as Embree wants it.
+/// Which of N rays take part: -1 for yes, 0 for no. Aligned as Embree wants it.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
-pub struct Valid16(pub [i32; 16]);
+pub struct Valid<const N: usize>(pub [i32; N]);

@@ -12,7 +12,7 @@ use dacrt::scene::no_such;
 use dacrt::workloads::{Film, RayType};
 use dacrt::{Isa, Method, Parameters, Precision, Tracer};
 use dacrt_validate::diff::RANDOM_RAYS;
-use dacrt_validate::embree::{Mode, Quality, Query};
+use dacrt_validate::embree::{Lanes, Mode, Quality, Query};
 use dacrt_validate::machine::Machine;
 use dacrt_validate::parameters::{is_baseline, own_fields};
 use dacrt_validate::peers;
@@ -78,7 +78,7 @@ impl Round {
     /// About how much there is to do, in rays traced by somebody: each contestant traces all rays,
     /// and so do the combinations of Embree.
     pub fn work(&self) -> f64 {
-        const A_MODE: usize = Quality::ALL.len() * Query::ALL.len();
+        const A_MODE: usize = Quality::ALL.len() * Query::all(Lanes::Sixteen).len();
         let modes = Mode::ALL.into_iter().filter(|&mode| self.is_against(mode));
         (self.film.rays() * (self.contestants.len() + A_MODE * modes.count())) as f64
     }

@@ -255,7 +255,7 @@ impl Bench<'_> {
     /// Embree with the quality and the query that trace the batch fastest with one thread.
     fn best_of_embree(&self, worker: &mut Worker, batch: &Batch) -> Contestant<'_> {
         let combinations: Vec<_> = (self.reference.contestants.iter())
-            .flat_map(|built| Query::ALL.map(|query| (built, query)))
+            .flat_map(|built| self.reference.queries.map(|query| (built, query)))
             .collect();
         let trace = |i: usize| -> Result<f64, Infallible> {
             let (built, query) = combinations[i];

@@ -1,7 +1,9 @@
 //! Which Embree this is and how many threads it builds and traces with.
 
 use super::alone::on_one_processor;
+use super::packets::Lanes;
 use super::threads::Threads;
+use super::trace::Query;
 use anyhow::{Context, bail, ensure};
 use embree4_sys as sys;
 use std::ffi::{CStr, c_void};
@@ -14,6 +16,8 @@ use std::path::Path;
 #[derive(Clone, Debug)]
 pub struct Device {
     info: Info,
+    /// Rays of its native packets.
+    packet: Lanes,
     tracing: Threads,
 }
 
@@ -68,12 +72,12 @@ impl Device {
             version[2],
         );
         // Embree tells how wide its native packets are; AVX and AVX2 packets are equally wide.
-        let isa = if property(sys::RTCDeviceProperty::NATIVE_RAY16_SUPPORTED) != 0 {
-            "avx512"
+        let (isa, packet) = if property(sys::RTCDeviceProperty::NATIVE_RAY16_SUPPORTED) != 0 {
+            ("avx512", Lanes::Sixteen)
         } else if property(sys::RTCDeviceProperty::NATIVE_RAY8_SUPPORTED) != 0 {
-            if has_avx2() { "avx2" } else { "avx" }
+            (if has_avx2() { "avx2" } else { "avx" }, Lanes::Eight)
         } else {
-            "sse"
+            ("sse", Lanes::Four)
         };
         Ok(Device {
             info: Info {
@@ -82,6 +86,7 @@ impl Device {
                 library,
                 threads,
             },
+            packet,
             tracing: Threads::new(threads)?,
         })
     }
@@ -89,6 +94,11 @@ impl Device {
     /// The library in use.
     pub fn info(&self) -> &Info {
         &self.info
+    }
+
+    /// All queries that may be the fastest here: ray by ray, and packets as wide as its vectors.
+    pub fn queries(&self) -> [Query; 3] {
+        Query::all(self.packet)
     }
 
     /// The threads that trace.

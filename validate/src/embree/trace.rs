@@ -1,6 +1,7 @@
 //! Nearest and any hit of a batch, from our arrays to our arrays.
 
 use super::Scene;
+use super::packets::{EIGHT, FOUR, Lanes, SIXTEEN};
 use super::scene::Committed;
 use super::threads::{BLOCK, Threads};
 use dacrt::rays::MISS;
@@ -12,29 +13,48 @@ use embree4_sys as sys;
 pub enum Query {
     /// `rtcIntersect1` and `rtcOccluded1`.
     Single,
-    /// `rtcIntersect16` and `rtcOccluded16`, 16 consecutive rays a call.
-    Packet16,
+    /// `rtcIntersect4` to `rtcIntersect16` and `rtcOccluded4` to `rtcOccluded16`, so many consecutive
+    /// rays a call.
+    Packet(Lanes),
     /// The same, told that the rays are coherent.
-    Packet16Coherent,
+    CoherentPacket(Lanes),
 }
 
 impl Query {
-    /// All of them.
-    pub const ALL: [Query; 3] = [Query::Single, Query::Packet16, Query::Packet16Coherent];
+    /// Those with packets of this width.
+    pub const fn all(packet: Lanes) -> [Query; 3] {
+        [
+            Query::Single,
+            Query::Packet(packet),
+            Query::CoherentPacket(packet),
+        ]
+    }
 
     /// `1`, `16` or `16_coherent`, as in result files.
     pub fn name(self) -> &'static str {
         match self {
             Query::Single => "1",
-            Query::Packet16 => "16",
-            Query::Packet16Coherent => "16_coherent",
+            Query::Packet(Lanes::Four) => "4",
+            Query::Packet(Lanes::Eight) => "8",
+            Query::Packet(Lanes::Sixteen) => "16",
+            Query::CoherentPacket(Lanes::Four) => "4_coherent",
+            Query::CoherentPacket(Lanes::Eight) => "8_coherent",
+            Query::CoherentPacket(Lanes::Sixteen) => "16_coherent",
+        }
+    }
+
+    /// Width of the packets; `None` for single rays.
+    pub(super) fn packet(self) -> Option<Lanes> {
+        match self {
+            Query::Single => None,
+            Query::Packet(lanes) | Query::CoherentPacket(lanes) => Some(lanes),
         }
     }
 
     pub(super) fn flags(self) -> sys::RTCRayQueryFlags {
         match self {
-            Query::Single | Query::Packet16 => sys::RTCRayQueryFlags::INCOHERENT,
-            Query::Packet16Coherent => sys::RTCRayQueryFlags::COHERENT,
+            Query::Single | Query::Packet(_) => sys::RTCRayQueryFlags::INCOHERENT,
+            Query::CoherentPacket(_) => sys::RTCRayQueryFlags::COHERENT,
         }
     }
 }
@@ -129,19 +149,23 @@ impl Committed<'_> {
         t: &mut [f32],
         prim: &mut [u32],
     ) {
-        let trace = match query {
-            Query::Single => nearest1,
-            Query::Packet16 | Query::Packet16Coherent => nearest16,
-        };
-        trace(self, batch, query, from, t, prim);
+        let flags = query.flags();
+        match query.packet() {
+            None => nearest1(self, batch, flags, from, t, prim),
+            Some(Lanes::Four) => FOUR.nearest(self, batch, flags, from, t, prim),
+            Some(Lanes::Eight) => EIGHT.nearest(self, batch, flags, from, t, prim),
+            Some(Lanes::Sixteen) => SIXTEEN.nearest(self, batch, flags, from, t, prim),
+        }
     }
 
     fn any_from(&self, batch: &Batch, query: Query, from: usize, occluded: &mut [u8]) {
-        let trace = match query {
-            Query::Single => any1,
-            Query::Packet16 | Query::Packet16Coherent => any16,
-        };
-        trace(self, batch, query, from, occluded);
+        let flags = query.flags();
+        match query.packet() {
+            None => any1(self, batch, flags, from, occluded),
+            Some(Lanes::Four) => FOUR.any(self, batch, flags, from, occluded),
+            Some(Lanes::Eight) => EIGHT.any(self, batch, flags, from, occluded),
+            Some(Lanes::Sixteen) => SIXTEEN.any(self, batch, flags, from, occluded),
+        }
     }
 }
 
@@ -149,12 +173,12 @@ impl Committed<'_> {
 fn nearest1(
     scene: &Committed,
     batch: &Batch,
-    query: Query,
+    flags: sys::RTCRayQueryFlags,
     from: usize,
     t: &mut [f32],
     prim: &mut [u32],
 ) {
-    let mut args = sys::RTCIntersectArguments::new(query.flags());
+    let mut args = sys::RTCIntersectArguments::new(flags);
     let mut rayhit = sys::RTCRayHit::default();
     for (i, (t, prim)) in (from..).zip(t.iter_mut().zip(prim)) {
         let ray = batch.ray(i);
@@ -170,35 +194,15 @@ fn nearest1(
     }
 }
 
-/// Nearest hits of the rays from `from` on, 16 at a time.
-fn nearest16(
+/// Whether the rays from `from` on hit anything, one by one.
+fn any1(
     scene: &Committed,
     batch: &Batch,
-    query: Query,
+    flags: sys::RTCRayQueryFlags,
     from: usize,
-    t: &mut [f32],
-    prim: &mut [u32],
+    occluded: &mut [u8],
 ) {
-    let mut args = sys::RTCIntersectArguments::new(query.flags());
-    let mut rayhit = sys::RTCRayHit16::default();
-    let records = t.chunks_mut(16).zip(prim.chunks_mut(16));
-    for (start, (t, prim)) in (from..).step_by(16).zip(records) {
-        let valid = fill16(&mut rayhit.ray, batch, start, scene.robust);
-        rayhit.hit.geomID = [sys::RTC_INVALID_GEOMETRY_ID; 16];
-        // SAFETY: the scene is committed; the structures are alive, aligned and large enough.
-        unsafe {
-            sys::rtcIntersect16(valid.0.as_ptr(), scene.handle(), &mut rayhit, &mut args);
-        }
-        let hit = &rayhit.hit;
-        for (i, (t, prim)) in t.iter_mut().zip(prim).enumerate() {
-            (*t, *prim) = record(hit.geomID[i], hit.primID[i], rayhit.ray.tfar[i]);
-        }
-    }
-}
-
-/// Whether the rays from `from` on hit anything, one by one.
-fn any1(scene: &Committed, batch: &Batch, query: Query, from: usize, occluded: &mut [u8]) {
-    let mut args = sys::RTCOccludedArguments::new(query.flags());
+    let mut args = sys::RTCOccludedArguments::new(flags);
     let mut lane = sys::RTCRay::default();
     for (i, occluded) in (from..).zip(occluded) {
         let ray = batch.ray(i);
@@ -208,23 +212,6 @@ fn any1(scene: &Committed, batch: &Batch, query: Query, from: usize, occluded: &
             // SAFETY: the scene is committed; the structures are alive.
             unsafe { sys::rtcOccluded1(scene.handle(), &mut lane, &mut args) };
             *occluded = u8::from(lane.tfar == f32::NEG_INFINITY);
-        }
-    }
-}
-
-/// Whether the rays from `from` on hit anything, 16 at a time.
-fn any16(scene: &Committed, batch: &Batch, query: Query, from: usize, occluded: &mut [u8]) {
-    let mut args = sys::RTCOccludedArguments::new(query.flags());
-    let mut lanes = sys::RTCRay16::default();
-    for (start, occluded) in (from..).step_by(16).zip(occluded.chunks_mut(16)) {
-        let valid = fill16(&mut lanes, batch, start, scene.robust);
-        // SAFETY: the scene is committed; the structures are alive and aligned.
-        unsafe {
-            sys::rtcOccluded16(valid.0.as_ptr(), scene.handle(), &mut lanes, &mut args);
-        }
-        for (i, occluded) in occluded.iter_mut().enumerate() {
-            // An invalid ray may have come with an infinite negative tmax of its own.
-            *occluded = u8::from(valid.0[i] != 0) & u8::from(lanes.tfar[i] < 0.0);
         }
     }
 }
@@ -242,7 +229,7 @@ pub(super) fn record(geom: u32, prim: u32, t: f32) -> (f32, u32) {
 
 /// Our lower end is exclusive, and so is Embree's in default mode. In robust mode Embree's is
 /// inclusive: there it gets the next float. For `tmin >= 0`, which all valid rays have.
-fn tnear(tmin: f32, robust: bool) -> f32 {
+pub(super) fn tnear(tmin: f32, robust: bool) -> f32 {
     f32::from_bits(tmin.abs().to_bits() + u32::from(robust))
 }
 
@@ -251,93 +238,4 @@ pub(super) fn fill(lane: &mut sys::RTCRay, ray: &Ray, robust: bool) {
     [lane.dir_x, lane.dir_y, lane.dir_z] = ray.direction.to_array();
     lane.tnear = tnear(ray.tmin, robust);
     lane.tfar = ray.tmax;
-}
-
-/// Rays `start` to `start + 16` of the batch, and which of them are valid; past the batch's end
-/// there are lanes that are not.
-pub(super) fn fill16(
-    lanes: &mut sys::RTCRay16,
-    batch: &Batch,
-    start: usize,
-    robust: bool,
-) -> sys::Valid16 {
-    [lanes.org_x, lanes.org_y, lanes.org_z] =
-        [0, 1, 2].map(|axis| sixteen(&batch.origin[axis], start));
-    [lanes.dir_x, lanes.dir_y, lanes.dir_z] =
-        [0, 1, 2].map(|axis| sixteen(&batch.direction[axis], start));
-    let tmin = sixteen(&batch.tmin, start);
-    lanes.tfar = sixteen(&batch.tmax, start);
-    lanes.tnear = tmin.map(|tmin| tnear(tmin, robust));
-
-    // `Ray::is_valid` without branches, so that it is done for several lanes at a time.
-    let finite = |x: f32| x.abs() < f32::INFINITY;
-    sys::Valid16(std::array::from_fn(|i| {
-        let (x, y, z) = (lanes.dir_x[i], lanes.dir_y[i], lanes.dir_z[i]);
-        let origin = finite(lanes.org_x[i]) & finite(lanes.org_y[i]) & finite(lanes.org_z[i]);
-        let direction = finite(x) & finite(y) & finite(z) & ((x != 0.0) | (y != 0.0) | (z != 0.0));
-        let interval = (tmin[i] >= 0.0) & (tmin[i] < lanes.tfar[i]);
-        -i32::from(origin & direction & interval)
-    }))
-}
-
-/// 16 values from `start` on, filled up with zeros at the end.
-fn sixteen(values: &[f32], start: usize) -> [f32; 16] {
-    if let Some(all) = values.get(start..start + 16) {
-        return all.try_into().expect("16 values");
-    }
-    let mut some = [0.0; 16];
-    some[..values.len() - start].copy_from_slice(&values[start..]);
-    some
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3;
-
-    #[test]
-    fn active_lanes_are_the_valid_rays() {
-        let special = [
-            0.0,
-            -0.0,
-            1.0,
-            -1.0,
-            1e-45,
-            f32::MAX,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-            f32::NAN,
-        ];
-        let mut batch = Batch::default();
-        for a in special {
-            for b in special {
-                let (usual, odd) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(a, b, 0.0));
-                for axis in 0..3 {
-                    let mut turned = odd;
-                    turned.as_mut().rotate_right(axis);
-                    batch.push(Ray::new(turned, usual));
-                    batch.push(Ray::new(usual, turned));
-                }
-                batch.push(Ray {
-                    tmin: a,
-                    tmax: b,
-                    ..Ray::new(usual, usual)
-                });
-            }
-        }
-        assert_ne!(batch.len() % 16, 0, "the last block is to be a partial one");
-        let mut lanes = sys::RTCRay16::default();
-        for start in (0..batch.len()).step_by(16) {
-            let valid = fill16(&mut lanes, &batch, start, true);
-            for i in 0..16 {
-                let active = valid.0[i] == -1;
-                let here = start + i;
-                let expected = here < batch.len() && batch.ray(here).is_valid();
-                assert_eq!(active, expected, "lane {here}");
-                if active {
-                    assert_eq!(lanes.tnear[i], batch.tmin[here].next_up());
-                }
-            }
-        }
-    }
 }

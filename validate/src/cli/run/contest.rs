@@ -76,7 +76,7 @@ pub fn contest(
     let against = |mode| (entrants.iter()).any(|e| Mode::against(e.precision) == mode);
     let combinations: Vec<(&Built, Query)> = (reference.contestants.iter())
         .filter(|built| against(built.mode))
-        .flat_map(|built| Query::ALL.map(|query| (built, query)))
+        .flat_map(|built| reference.queries.map(|query| (built, query)))
         .collect();
     let mut answers = Answers::room(batch.len(), any);
     let mut unstable = Vec::new();
@@ -112,7 +112,7 @@ pub fn contest(
 
     let mut prepacked = Vec::new();
     for mode in Mode::ALL.into_iter().filter(|&mode| against(mode)) {
-        for query in Query::ALL {
+        for query in reference.queries {
             let of_query = combinations.iter().zip(&embree_samples);
             let fastest = of_query
                 .filter(|((built, q), _)| (built.mode, *q) == (mode, query))
@@ -161,10 +161,11 @@ fn hopeless(first_ms: &[f64], combinations: &[((Mode, Quality), Query)]) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dacrt_validate::embree::Lanes;
 
     #[test]
     fn only_what_another_query_beats_is_given_up() {
-        let all = [Query::Single, Query::Packet16, Query::Packet16Coherent];
+        let all = Query::all(Lanes::Sixteen);
         let of_mode = |mode| {
             Quality::ALL
                 .into_iter()

@@ -4,7 +4,7 @@
 use super::answers::Answers;
 use crate::cli::progress::Progress;
 use dacrt::{Batch, Mesh};
-use dacrt_validate::embree::{Device, Mode, Quality, Scene};
+use dacrt_validate::embree::{Device, Mode, Quality, Query, Scene};
 use dacrt_validate::peers::{self, Peer, Tree};
 
 /// A quality whose builds have taken this long together is not built again.
@@ -17,6 +17,8 @@ const WARM_UP_BUILDS: u32 = 2;
 pub struct Reference {
     /// Of each mode that is timed its qualities, in the order in which they were asked for.
     pub contestants: Vec<Built>,
+    /// Those that each of them is traced by.
+    pub queries: [Query; 3],
     /// In the modes that are not timed.
     judges: Vec<(Mode, Scene)>,
 }
@@ -75,6 +77,7 @@ impl Reference {
         }
         Ok(Reference {
             contestants,
+            queries: device.queries(),
             judges,
         })
     }
