@@ -36,6 +36,8 @@ fn claims_are_judged_by_what_is_there() {
         assert!(text.contains(words), "{words}\n{text}");
     }
 
+    assert!(text.contains("(seed 1)"), "{text}");
+
     // Nothing is measured twice, and a part of the claims leaves no verdicts of all.
     let cells = folder.path("claims/cells-1.json.gz");
     let before = std::fs::read(&cells).unwrap();

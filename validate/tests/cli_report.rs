@@ -179,7 +179,7 @@ fn files_of_other_commands_stand_beside_results() {
         .exits(0);
     let run = folder.json("run.json");
     let claims = json!({
-        "kind": "claims", "machine": run["machine"], "software": run["software"], "command": ["dacrt", "claims"],
+        "kind": "claims", "machines": [{ "machine": run["machine"], "seeds": [1, 2] }], "software": run["software"], "command": ["dacrt", "claims"],
         "findings": [finding("C2", "supported"), finding("C1", "contradicted")],
     });
     folder.write("claims.json", claims.to_string());
@@ -201,6 +201,7 @@ fn files_of_other_commands_stand_beside_results() {
     let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("no {words:?}"));
     assert!(place("<b>C1</b>") < place("<b>C2</b>"));
     assert!(page.contains("1 contradicted, 1 supported"));
+    assert!(page.contains("seeds 1, 2: "));
 }
 
 fn finding(id: &str, verdict: &str) -> Value {

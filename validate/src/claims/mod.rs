@@ -13,10 +13,10 @@ mod values;
 pub use evidence::{Evidence, MemoryUse, NodeStatistics, list, write_list};
 pub use study::{Kind, Study, Variants};
 
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, grouped};
 use crate::json_file;
 use crate::machine::{Machine, Software};
-use anyhow::{Context, ensure};
+use anyhow::ensure;
 use pool::Pool;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -191,14 +191,51 @@ fn apart(quotient: &Estimate, difference: f64) -> Verdict {
     }
 }
 
+/// A machine and what it measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SeedsOn {
+    /// As it was at the first of them.
+    pub machine: Machine,
+    /// In ascending order.
+    pub seeds: Vec<u64>,
+}
+
+impl SeedsOn {
+    /// Each machine that the evidence names; those with the same processor and instruction set are one.
+    pub fn of(evidence: &Evidence) -> Vec<SeedsOn> {
+        let kind = |machine: &Machine| (machine.cpu.clone(), machine.isa.clone());
+        (grouped(evidence.documents.iter(), |document| {
+            kind(&document.machine)
+        })
+        .iter())
+        .map(|documents| {
+            let mut seeds: Vec<u64> = documents.iter().map(|document| document.seed).collect();
+            seeds.sort_unstable();
+            seeds.dedup();
+            SeedsOn {
+                machine: documents[0].machine.clone(),
+                seeds,
+            }
+        })
+        .collect()
+    }
+
+    /// `seeds 1, 2, 3`
+    pub fn seeds_in_words(&self) -> String {
+        let seeds: Vec<String> = self.seeds.iter().map(u64::to_string).collect();
+        let s = if seeds.len() == 1 { "" } else { "s" };
+        format!("seed{s} {}", seeds.join(", "))
+    }
+}
+
 /// The verdicts of one evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Document {
     /// [`KIND`].
     pub kind: String,
-    /// Where the first part was measured.
-    pub machine: Machine,
-    /// What measured it.
+    /// Where it was measured: each machine with its seeds, that of the first seed first.
+    pub machines: Vec<SeedsOn>,
+    /// What measured the first seed.
     pub software: Software,
     /// The command line, one string an argument.
     pub command: Vec<String>,
@@ -207,23 +244,6 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads a file that [`Document::write`] has written.
-    ///
-    /// # Errors
-    /// If it cannot be read, or is another kind of file.
-    pub fn read(path: &Path) -> anyhow::Result<Document> {
-        let what = || path.display().to_string();
-        let bytes = std::fs::read(path).with_context(what)?;
-        let document: Document = serde_json::from_slice(&bytes).with_context(what)?;
-        ensure!(
-            document.kind == KIND,
-            "{}: its kind is {}, expected {KIND}",
-            path.display(),
-            document.kind
-        );
-        Ok(document)
-    }
-
     /// Writes it as JSON, whole or not at all.
     ///
     /// # Errors

@@ -13,10 +13,10 @@ use anyhow::Context;
 use dacrt::workloads::{Film, Workload};
 use dacrt::{Isa, Method, Precision};
 use dacrt_validate::claims::{
-    Claims, Document, Evidence, KIND, Kind, MemoryUse, NodeStatistics, Study, list, verdicts,
-    write_list,
+    Claims, Document, Evidence, KIND, Kind, MemoryUse, NodeStatistics, SeedsOn, Study, list,
+    verdicts, write_list,
 };
-use dacrt_validate::machine::{Machine, Software};
+use dacrt_validate::machine::Software;
 use dacrt_validate::stack;
 use plan::Extent;
 use std::fs;
@@ -33,12 +33,12 @@ pub fn claims(args: &ClaimsArgs) -> anyhow::Result<Verdict> {
     let first = evidence.documents.first();
     let document = Document {
         kind: KIND.to_owned(),
-        machine: first.map_or_else(|| Machine::here(Isa::best().name()), |d| d.machine.clone()),
+        machines: SeedsOn::of(&evidence),
         software: first.map_or_else(|| Software::this(None), |d| d.software.clone()),
         command: command_line(),
         findings: verdicts(&claims, &evidence),
     };
-    let mut all = text::text(&document.findings, args.only.is_some());
+    let mut all = text::text(&document, args.only.is_some());
     // A part of the claims is for looking at, not the folder's verdicts.
     if args.only.is_none() {
         let out = folder.join("claims.json");

@@ -1,13 +1,14 @@
 //! Verdicts for people, 100 columns at most.
 
 use crate::cli::text::{WIDTH, columns, counted};
-use dacrt_validate::claims::{Effect, Finding, Verdict};
+use dacrt_validate::claims::{Document, Effect, Finding, SeedsOn, Verdict};
+use dacrt_validate::machine::Machine;
 
 /// The verdicts, contradicted claims first; `parts`: all numbers, too.
-pub fn text(findings: &[Finding], parts: bool) -> String {
-    let mut text = counts(findings);
+pub fn text(document: &Document, parts: bool) -> String {
+    let mut text = counts(&document.findings) + &measured_on(&document.machines);
     let mut last = None;
-    for finding in findings {
+    for finding in &document.findings {
         if last != Some(finding.verdict) {
             text += &format!("\n{}\n", finding.verdict.name().to_uppercase());
             last = Some(finding.verdict);
@@ -30,6 +31,19 @@ fn counts(findings: &[Finding]) -> String {
         (n > 0).then(|| format!("{n} {}", verdict.name()))
     };
     all.iter().filter_map(count).collect::<Vec<_>>().join(", ") + "\n"
+}
+
+/// `measured on AMD EPYC, avx512 (seeds 1, 2); AMD EPYC, avx2 (seed 3)`
+fn measured_on(machines: &[SeedsOn]) -> String {
+    let machine = |on: &SeedsOn| {
+        let Machine { cpu, isa, .. } = &on.machine;
+        format!("{cpu}, {isa} ({})", on.seeds_in_words())
+    };
+    let all: Vec<String> = machines.iter().map(machine).collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => textwrap::fill(&format!("measured on {}", all.join("; ")), WIDTH) + "\n",
+    }
 }
 
 fn of(finding: &Finding, parts: bool) -> String {

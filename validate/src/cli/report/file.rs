@@ -53,13 +53,25 @@ impl File {
         }
     }
 
-    /// Where it comes from: machine, software and command.
-    pub fn origin(&self) -> (&Machine, &Software, &[String]) {
+    /// What made it: software and command.
+    pub fn origin(&self) -> (&Software, &[String]) {
         match &self.content {
-            Content::Results(d) => (&d.machine, &d.software, &d.command),
-            Content::Growth(d) => (&d.machine, &d.software, &d.command),
-            Content::Hard(d) => (&d.machine, &d.software, &d.command),
-            Content::Claims(d) => (&d.machine, &d.software, &d.command),
+            Content::Results(d) => (&d.software, &d.command),
+            Content::Growth(d) => (&d.software, &d.command),
+            Content::Hard(d) => (&d.software, &d.command),
+            Content::Claims(d) => (&d.software, &d.command),
+        }
+    }
+
+    /// Where it was measured, each with what of it, if that is a part.
+    pub fn machines(&self) -> Vec<(Option<String>, &Machine)> {
+        match &self.content {
+            Content::Results(d) => vec![(None, &d.machine)],
+            Content::Growth(d) => vec![(None, &d.machine)],
+            Content::Hard(d) => vec![(None, &d.machine)],
+            Content::Claims(d) => (d.machines.iter())
+                .map(|on| (Some(on.seeds_in_words()), &on.machine))
+                .collect(),
         }
     }
 

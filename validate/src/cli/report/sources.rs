@@ -22,13 +22,15 @@ pub fn section(files: &[File]) -> Section {
 }
 
 fn of(file: &File, is_open: bool) -> Markup {
-    let (machine, software, command) = file.origin();
+    let (software, command) = file.origin();
     let parameters = constant_parameters(file.cells());
     html! {
         details open[is_open] {
             summary { (file.name) " (" (file.kind()) ")" }
             pre { (command.join(" ")) }
-            p { (machine_in_words(machine)) }
+            @for (part, machine) in file.machines() {
+                p { @if let Some(part) = part { (part) ": " } (machine_in_words(machine)) }
+            }
             p { (software_in_words(software)) }
             @if let Some((threads, seed)) = file.threads_and_seed() {
                 p { "Threads of best and of Embree: " (threads) ". Seed: " (seed) "." }
