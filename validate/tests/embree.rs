@@ -128,8 +128,8 @@ fn soup() -> (Mesh, Batch) {
     (mesh, (0..5_003).map(ray).collect())
 }
 
-/// Packets wider than Embree's vectors are traced ray by ray, which made its times on processors with AVX2
-/// up to twice those of its packets of 8.
+/// Packets wider than Embree's vectors are traced ray by ray, which made its times of coherent rays on
+/// processors with AVX2 twice those of its packets of 8.
 #[test]
 fn packets_are_as_wide_as_embrees_vectors() {
     let widths = [

@@ -1,7 +1,6 @@
 //! The library in use writes nothing past the structures that `embree4-sys` declares.
 
 use embree4_sys::*;
-use std::ffi::c_int;
 
 const GUARD: u32 = 0xa5a5_a5a5;
 
@@ -113,20 +112,7 @@ fn single_queries_stay_inside() {
 }
 
 /// Calls both functions for packets of N rays, and looks at what they have written.
-fn packets_stay_inside<const N: usize>(
-    intersect: unsafe extern "C" fn(
-        *const c_int,
-        RTCScene,
-        *mut RTCRayHits<N>,
-        *mut RTCIntersectArguments,
-    ),
-    occluded: unsafe extern "C" fn(
-        *const c_int,
-        RTCScene,
-        *mut RTCRays<N>,
-        *mut RTCOccludedArguments,
-    ),
-) {
+fn packets_stay_inside<const N: usize>(intersect: IntersectPacket<N>, occluded: OccludedPacket<N>) {
     let fixture = Fixture::new();
     let valid = Valid([-1; N]);
     for flags in [RTCRayQueryFlags::INCOHERENT, RTCRayQueryFlags::COHERENT] {

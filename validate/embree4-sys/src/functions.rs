@@ -84,3 +84,19 @@ unsafe extern "C" {
         args: *mut RTCOccludedArguments,
     );
 }
+
+/// `rtcIntersect4`, `rtcIntersect8` or `rtcIntersect16`, as N says.
+pub type IntersectPacket<const N: usize> = unsafe extern "C" fn(
+    valid: *const c_int,
+    scene: RTCScene,
+    rayhit: *mut RTCRayHits<N>,
+    args: *mut RTCIntersectArguments,
+);
+
+/// `rtcOccluded4`, `rtcOccluded8` or `rtcOccluded16`, as N says.
+pub type OccludedPacket<const N: usize> = unsafe extern "C" fn(
+    valid: *const c_int,
+    scene: RTCScene,
+    ray: *mut RTCRays<N>,
+    args: *mut RTCOccludedArguments,
+);

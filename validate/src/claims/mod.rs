@@ -16,6 +16,7 @@ pub use study::{Kind, Study, Variants};
 use crate::estimate::{Estimate, grouped};
 use crate::json_file;
 use crate::machine::{Machine, Software};
+use crate::results;
 use anyhow::ensure;
 use pool::Pool;
 use serde::{Deserialize, Serialize};
@@ -196,28 +197,23 @@ fn apart(quotient: &Estimate, difference: f64) -> Verdict {
 pub struct SeedsOn {
     /// As it was at the first of them.
     pub machine: Machine,
-    /// In ascending order.
-    pub seeds: Vec<u64>,
+    /// Their seeds.
+    pub seeds: BTreeSet<u64>,
 }
 
 impl SeedsOn {
     /// Each machine that the evidence names; those with the same processor and instruction set are one.
     pub fn of(evidence: &Evidence) -> Vec<SeedsOn> {
-        let kind = |machine: &Machine| (machine.cpu.clone(), machine.isa.clone());
-        (grouped(evidence.documents.iter(), |document| {
-            kind(&document.machine)
-        })
-        .iter())
-        .map(|documents| {
-            let mut seeds: Vec<u64> = documents.iter().map(|document| document.seed).collect();
-            seeds.sort_unstable();
-            seeds.dedup();
-            SeedsOn {
-                machine: documents[0].machine.clone(),
-                seeds,
-            }
-        })
-        .collect()
+        let kind = |document: &results::Document| {
+            let Machine { cpu, isa, .. } = &document.machine;
+            (cpu.clone(), isa.clone())
+        };
+        let seeds_on = |documents: &Vec<&results::Document>| SeedsOn {
+            machine: documents[0].machine.clone(),
+            seeds: documents.iter().map(|document| document.seed).collect(),
+        };
+        let machines = grouped(evidence.documents.iter(), kind);
+        machines.iter().map(seeds_on).collect()
     }
 
     /// `seeds 1, 2, 3`

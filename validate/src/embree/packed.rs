@@ -154,7 +154,7 @@ impl<const N: usize> Structures for Packets<N> {
             let mut occluded = sys::RTCOccludedArguments::new(flags);
             for Packet { valid, rayhit } in packets {
                 let (valid, scene) = (valid.0.as_ptr(), committed.handle());
-                // SAFETY: as above, and both are aligned to 64 bytes.
+                // SAFETY: the scene is committed; the structures are alive, aligned and large enough.
                 unsafe {
                     if any {
                         (functions.occluded)(valid, scene, &mut rayhit.ray, &mut occluded);

@@ -4,7 +4,6 @@ use super::scene::Committed;
 use super::trace::{record, tnear};
 use dacrt::Batch;
 use embree4_sys as sys;
-use std::ffi::c_int;
 
 /// Rays of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,18 +16,8 @@ pub enum Lanes {
 
 /// Embree's functions for packets of N rays. Those wider than its vectors go ray by ray.
 pub(super) struct Functions<const N: usize> {
-    pub intersect: unsafe extern "C" fn(
-        *const c_int,
-        sys::RTCScene,
-        *mut sys::RTCRayHits<N>,
-        *mut sys::RTCIntersectArguments,
-    ),
-    pub occluded: unsafe extern "C" fn(
-        *const c_int,
-        sys::RTCScene,
-        *mut sys::RTCRays<N>,
-        *mut sys::RTCOccludedArguments,
-    ),
+    pub intersect: sys::IntersectPacket<N>,
+    pub occluded: sys::OccludedPacket<N>,
 }
 
 pub(super) static FOUR: Functions<4> = Functions {
