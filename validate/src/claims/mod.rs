@@ -25,7 +25,7 @@ use std::io;
 use std::path::Path;
 
 /// What [`Document::kind`] says. There is no `schema`, so no command takes the file for the
-/// [results](crate::results) of a run.
+/// [results] of a run.
 pub const KIND: &str = "claims";
 
 /// All claims, and the studies that they need, by name.
