@@ -125,7 +125,8 @@ impl<L: Lanes> SlabBox<L> {
     ) -> L::F {
         // SAFETY: as promised.
         unsafe {
-            let mut exit = L::splat(f32::INFINITY);
+            // Where t overflows, the exit is at the largest float32: a hit may be behind it.
+            let mut exit = L::splat(f32::MAX);
             for axis in 0..3 {
                 let (mut lo, mut hi) = (self.lo[axis], self.hi[axis]);
                 if !SHARED {
@@ -145,10 +146,6 @@ impl<L: Lanes> SlabBox<L> {
                     let stays = L::and_not(L::is_nan(inverse[axis]), within);
                     exit = L::select(stays, L::splat(f32::NEG_INFINITY), exit);
                 }
-            }
-            if SPECIAL {
-                // As in `interval`.
-                exit = L::min(exit, L::splat(f32::MAX));
             }
             L::mul_sub(exit, L::splat(SHRINK), L::splat(UNDERFLOW))
         }

@@ -522,6 +522,22 @@ fn a_ray_that_leaves_a_cell_beyond_the_largest_t_is_not_done_before_it() {
 }
 
 #[test]
+fn a_ray_that_leaves_a_cell_where_t_overflows_has_a_finite_exit_on_all_instances() {
+    let lower = Aabb {
+        min: Vec3::splat(-1e18),
+        max: Vec3::new(1e18, 1e18, 1e16),
+    };
+    let upper = Aabb {
+        min: Vec3::new(-1e18, -1e18, 1e16),
+        max: Vec3::splat(1e18),
+    };
+    let ray = Ray::new(Vec3::ZERO, Vec3::splat(5e-39));
+    let exit = two_cells_on(&ray, &[lower, upper]).0;
+    assert_eq!(exit, f32::MAX * (1.0 - PADDING));
+    assert!(before(exit).all(|t| is_done_with(&ray, &[lower, upper], t)));
+}
+
+#[test]
 fn a_ray_within_the_plane_between_two_cells_is_not_done() {
     let lower = Aabb {
         min: Vec3::splat(-1.0),
